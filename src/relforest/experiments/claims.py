@@ -1,0 +1,69 @@
+"""What a study concludes: numbers next to the bounds that they must keep."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A measured number and the range it must lie in.
+
+    Parameters
+    ----------
+    name : str
+        What was measured, in words.
+    measured : float
+    low, high : float
+        The bounds, both included.
+    """
+
+    name: str
+    measured: float
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the number lies in its range; NaN does not."""
+        return self.low <= self.measured <= self.high
+
+    def __str__(self) -> str:
+        """Return the verdict, the name, the number and its bounds."""
+        bounds = []
+        if not math.isinf(self.low):
+            bounds.append(f"at least {self.low:.4g}")
+        if not math.isinf(self.high):
+            bounds.append(f"at most {self.high:.4g}")
+        verdict = "met   " if self.is_met else "MISSED"
+        return f"{verdict} {self.name}: {self.measured:.4g} ({' and '.join(bounds)})"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """The result of a study in words.
+
+    Parameters
+    ----------
+    text : str
+        Tables and remarks.
+    claims : tuple of Claim
+    """
+
+    text: str
+    claims: tuple[Claim, ...] = ()
+
+    @property
+    def are_met(self) -> bool:
+        """Whether every claim is met."""
+        return all(claim.is_met for claim in self.claims)
+
+    def __str__(self) -> str:
+        """Return the text, then a line per claim."""
+        if not self.claims:
+            return self.text
+        return f"{self.text}\n\nClaims\n" + "\n".join(map(str, self.claims))

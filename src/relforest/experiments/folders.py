@@ -1,0 +1,156 @@
+"""The right to write into a folder: it must be empty, or hold an earlier part of exactly the same work.
+
+Runs and studies store what their results depend on in one file, the first that they write. `claimed` compares it
+with what is asked for now, and holds the folder's lock meanwhile.
+"""
+
+from __future__ import annotations
+
+import platform
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final, final
+
+from relforest.rl.checkpoint import differences
+from relforest.support.errors import ModelFormatError, RunFolderError
+from relforest.support.files import read_json, write_json
+from relforest.support.locks import FolderLock
+
+VERSION: Final = 1
+
+# What an interrupted `support.files.write_bytes` leaves behind.
+_TEMPORARY: Final = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
+_LOCK: Final = ".lock"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Identity:
+    """What the content of a folder depends on.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file that holds it, such as ``"run.json"``.
+    format : str
+        The format that the file names, such as ``"relforest-run"``.
+    content : mapping
+        Plain JSON values: everything that the results depend on, apart from the versions of the software.
+    growing : str, optional
+        A number in the content that may be raised later.
+    """
+
+    file: str
+    format: str
+    content: Mapping[str, Any]
+    growing: str | None = None
+
+
+@contextmanager
+def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]) -> Iterator[None]:
+    """Hold a folder for one piece of work; its identity is on disk when the ``with`` block begins.
+
+    Parameters
+    ----------
+    folder : path
+        Made if it does not exist.
+    identity : Identity
+        The work.
+    is_finished : callable
+        Tells whether nothing is left to compute. Only then may the folder come from other versions of the
+        software, because what they computed need not go on as it began.
+
+    Raises
+    ------
+    RunFolderError
+        If the folder is in use, is no folder of this kind, or belongs to other work. Nothing is changed then.
+    """
+    # Before the lock too, because taking it makes a file.
+    _check_kind(folder, identity)
+    with FolderLock(folder):
+        _check_kind(folder, identity)
+        remove_temporary_files(folder)
+        there = _read(folder, identity)
+        here = {**identity.content, "versions": versions()}
+        if there is not None:
+            _check_same(folder, identity, there, here, is_finished)
+        if there is None or _grows(identity, there):
+            write_json(folder / identity.file, {"format": identity.format, "version": VERSION, **here})
+        yield
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the software that results depend on, Python's without its last part."""
+    python = ".".join(platform.python_version_tuple()[:2])
+    names = ("numpy", "scipy", "numba", "relforest")
+    return {"python": python} | {name: metadata.version(name) for name in names}
+
+
+def _check_kind(folder: Path, identity: Identity) -> None:
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise RunFolderError(f"{folder} is no folder; choose another name")
+    if (folder / identity.file).exists():
+        return
+    # The identity is the first file to be written, so without it only these can be traces of an interruption.
+    foreign = [path.name for path in folder.iterdir() if path.name != _LOCK and not _TEMPORARY.fullmatch(path.name)]
+    if foreign:
+        raise RunFolderError(
+            f"{folder} is not empty and holds no {identity.file}, so it is not ours to write to "
+            f"(it holds {min(foreign)!r}); choose a new or empty folder"
+        )
+
+
+def _read(folder: Path, identity: Identity) -> dict[str, Any] | None:
+    path = folder / identity.file
+    if not path.exists():
+        return None
+    try:
+        document = read_json(path, format=identity.format, version=VERSION)
+    except ModelFormatError as error:
+        raise RunFolderError(f"{error}; restore that file or choose another folder") from error
+    return {name: value for name, value in document.items() if name not in ("format", "version")}
+
+
+def _check_same(
+    folder: Path,
+    identity: Identity,
+    there: dict[str, Any],
+    here: dict[str, Any],
+    is_finished: Callable[[], bool],
+) -> None:
+    ignored = {identity.growing} if _grows(identity, there) else set()
+    kept = [{name: value for name, value in side.items() if name not in ignored} for side in (there, here)]
+    differing = differences(*kept)
+    if not differing:
+        return
+    if there.get("versions") == here["versions"]:
+        raise RunFolderError(
+            f"{folder} holds other work: {'; '.join(differing)}; choose another folder, or ask for what it holds"
+        )
+    only_versions = all(name.startswith("versions.") for name in differing)
+    if only_versions and not ignored and is_finished():
+        return
+    raise RunFolderError(
+        f"{folder} was begun differently: {'; '.join(differing)}; choose another folder, or continue it with "
+        "the same options and versions"
+    )
+
+
+def _grows(identity: Identity, there: Mapping[str, Any]) -> bool:
+    if identity.growing is None:
+        return False
+    old, new = there.get(identity.growing), identity.content[identity.growing]
+    return isinstance(old, int) and not isinstance(old, bool) and old < new
+
+
+def remove_temporary_files(folder: Path) -> None:
+    """Delete what an interrupted write left in a folder; whoever calls this holds the lock."""
+    for path in folder.iterdir():
+        if _TEMPORARY.fullmatch(path.name) and path.is_file():
+            path.unlink()

@@ -1,0 +1,14 @@
+"""Mapping functions: from bound objects to a point in a metric space (Palmer 2015, section 4.3).
+
+A question node of a SMRF tree never looks at objects directly: it maps some of the objects bound
+so far to a vector (or an angle) and asks whether that point lies in a decision volume. Start with
+`catalogue`, which lists every mapping function that a schema makes legal; `Mapping` is one of them.
+"""
+
+from __future__ import annotations
+
+from relforest.mappings.catalogue import catalogue
+from relforest.mappings.mapping import Mapping
+from relforest.mappings.operations import OPERATIONS, Operation
+
+__all__ = ["OPERATIONS", "Mapping", "Operation", "catalogue"]

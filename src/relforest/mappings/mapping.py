@@ -1,0 +1,116 @@
+"""One mapping function: an operation applied to an attribute."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, final
+
+import numpy as np
+
+from relforest.mappings.kernels import map_points
+from relforest.mappings.operations import OPERATIONS, Operation
+from relforest.support.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes import Attribute, Schema
+
+Space = Literal["euclidean", "circle"]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """A function from bound objects to a point, such as ``difference(location)``.
+
+    Parameters
+    ----------
+    operation : str
+        A name in `relforest.mappings.OPERATIONS`.
+    attribute : Attribute
+        The attribute whose values are used.
+
+    Raises
+    ------
+    InputError
+        If the operation is unknown or makes no sense for the attribute.
+
+    References
+    ----------
+    Palmer (2015), section 4.3. The difference is taken as printed there, ``x_B - x_A``.
+
+    Examples
+    --------
+    >>> from relforest import Attribute
+    >>> mapping = Mapping("distance", Attribute("location", 2))
+    >>> mapping.name, mapping.arity, mapping.dim, mapping.space
+    ('distance(location)', 2, 1, 'euclidean')
+    """
+
+    operation: str
+    attribute: Attribute
+
+    def __post_init__(self) -> None:
+        if self.operation not in OPERATIONS:
+            msg = f"unknown operation {self.operation!r}: use one of {', '.join(OPERATIONS)}"
+            raise InputError(msg)
+        if self.rule.arity == 3 and self.attribute.dim != 2:
+            msg = (
+                f"{self.name} needs a 2-dimensional attribute, "
+                f"{self.attribute.name!r} has {self.attribute.dim} dimension(s)"
+            )
+            raise InputError(msg)
+        if self.attribute.kind == "angle" and self.operation not in {"identity", "difference"}:
+            msg = f"{self.name} is not defined for angles: use identity or difference"
+            raise InputError(msg)
+
+    @property
+    def rule(self) -> Operation:
+        """The operation's arity, code and symmetry."""
+        return OPERATIONS[self.operation]
+
+    @property
+    def name(self) -> str:
+        """Such as ``"difference(location)"``."""
+        return f"{self.operation}({self.attribute.name})"
+
+    @property
+    def arity(self) -> int:
+        """How many objects it takes."""
+        return self.rule.arity
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the codomain."""
+        return 1 if self.operation == "distance" else self.attribute.dim
+
+    @property
+    def space(self) -> Space:
+        """Whether the codomain is a Euclidean space or the circle."""
+        return "circle" if self.attribute.kind == "angle" else "euclidean"
+
+    def evaluate(
+        self, schema: Schema, matrix: NDArray[np.float64], rows: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Value for each tuple of objects.
+
+        Parameters
+        ----------
+        schema : Schema
+            Describes the columns of `matrix`.
+        matrix : ndarray (n_objects, schema.width)
+            Attribute values, NaN = undefined.
+        rows : int64 ndarray (n, arity)
+            Object rows; -1 stands for "no object".
+
+        Returns
+        -------
+        ndarray (n, dim)
+            NaN throughout a row where the value is undefined: an object or its attribute is missing,
+            or a frame's two objects coincide.
+        """
+        out = np.empty((len(rows), self.dim))
+        span = (schema.offset(self.attribute.name), self.attribute.dim)
+        map_points(self.rule.code, self.space == "circle", span, matrix, rows, out)
+        return out

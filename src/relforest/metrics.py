@@ -1,0 +1,141 @@
+"""How good a binary prediction is, and how sure the mean of repeated measurements is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import stdtrit
+
+from relforest.support.errors import InputError
+from relforest.support.options import in_range
+
+__all__ = ["MeanInterval", "mean_interval", "peirce_skill_score"]
+
+
+def peirce_skill_score(y_true: ArrayLike, y_pred: ArrayLike, *, pos_label: object = None) -> float:
+    """Return the Peirce skill score: hit rate minus false alarm rate.
+
+    Parameters
+    ----------
+    y_true, y_pred : (n,) array-likes
+        Labels of two classes: 0 and 1, -1 and +1, booleans, or two strings.
+    pos_label : label, optional
+        The positive class. Default: the larger label of ``y_true`` (of strings, the one sorted last).
+
+    Returns
+    -------
+    float
+        In [-1, 1]: 1 for perfect predictions, 0 for predictions that do not depend on the truth, whatever the
+        class frequencies are.
+
+    Raises
+    ------
+    InputError
+        If the lengths differ, the truth has not exactly two classes, or a label is unknown.
+
+    Examples
+    --------
+    >>> peirce_skill_score([1, 1, 0, 0], [1, 0, 0, 0])
+    0.5
+    """
+    truth, prediction = _labels("y_true", y_true), _labels("y_pred", y_pred)
+    if len(truth) != len(prediction):
+        raise InputError(
+            f"y_true has {len(truth)} labels, but y_pred {len(prediction)}: give one prediction each"
+        )
+    classes = _sorted_labels("y_true", truth)
+    if len(classes) != 2:
+        raise InputError(
+            f"y_true must hold labels of two classes, got {len(classes)} ({_listed(classes)}): without "
+            "both, hit rate and false alarm rate are undefined"
+        )
+    positive = classes[1] if pos_label is None else pos_label
+    if positive not in classes:
+        raise InputError(f"pos_label {pos_label!r} is no label of y_true, which has {_listed(classes)}")
+    unknown = [label for label in _sorted_labels("y_pred", prediction) if label not in classes]
+    if unknown:
+        raise InputError(
+            f"y_pred has the label {unknown[0]!r}, but y_true only {_listed(classes)}: use the same labels"
+        )
+    is_positive, hit = truth == positive, prediction == positive
+    return float(hit[is_positive].mean() - hit[~is_positive].mean())
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MeanInterval:
+    """A mean and its confidence interval."""
+
+    mean: float
+    low: float
+    high: float
+    level: float
+    count: int
+
+    @property
+    def half_width(self) -> float:
+        """Distance from the mean to either end."""
+        return (self.high - self.low) / 2
+
+
+def mean_interval(values: ArrayLike, level: float = 0.95) -> MeanInterval:
+    """Return the mean of independent values and Student's t interval around it.
+
+    Parameters
+    ----------
+    values : (n,) array-like
+        At least two finite numbers.
+    level : float
+        Probability, inside (0, 1), that such an interval covers the true mean (exactly so for normal values).
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two values, one is not finite, or the level is out of range.
+    """
+    level = in_range("level", level, 0.0, 1.0, open_low=True, open_high=True)
+    try:
+        sample = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"values must be numbers: {error}") from error
+    if sample.ndim != 1 or len(sample) < 2:
+        raise InputError(
+            f"values must be one-dimensional with at least 2 entries, got the shape {sample.shape}"
+        )
+    if not np.isfinite(sample).all():
+        raise InputError("values must be finite: drop or repeat the runs that gave NaN or infinity")
+    count = len(sample)
+    mean = float(sample.mean())
+    half = float(stdtrit(count - 1, (1 + level) / 2) * sample.std(ddof=1) / np.sqrt(count))
+    return MeanInterval(mean, mean - half, mean + half, level, count)
+
+
+def _labels(name: str, values: ArrayLike) -> NDArray[Any]:
+    """Return labels as a 1-D array of integers, floats or strings."""
+    array: NDArray[Any] = np.asarray(values)
+    if array.ndim != 1:
+        raise InputError(f"{name} must be one-dimensional, got the shape {array.shape}")
+    if array.dtype.kind == "f" and np.isnan(array).any():
+        raise InputError(f"{name} holds NaN: every scene needs a label")
+    if array.dtype.kind == "b":
+        return array.astype(np.int64)
+    if array.dtype.kind not in "iufUO":
+        raise InputError(f"{name} holds {array.dtype}: labels are numbers, booleans or strings")
+    return array
+
+
+def _sorted_labels(name: str, labels: NDArray[Any]) -> list[Any]:
+    try:
+        found: list[Any] = np.unique(labels).tolist()
+    except TypeError as error:
+        raise InputError(
+            f"{name} mixes types of labels: use numbers, booleans or strings throughout"
+        ) from error
+    return found
+
+
+def _listed(labels: list[Any]) -> str:
+    return ", ".join(map(repr, labels)) or "no labels"

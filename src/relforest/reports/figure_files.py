@@ -1,0 +1,62 @@
+"""Writing figures to files, whole or not at all, with the same bytes every time."""
+
+from __future__ import annotations
+
+import io
+from os import PathLike
+from pathlib import Path
+from typing import Final
+
+from matplotlib.figure import Figure
+
+from relforest.reports.style import styled
+from relforest.support.errors import InputError
+from relforest.support.files import write_bytes
+
+SUFFIXES: Final = (".png", ".svg")
+
+# What Matplotlib would write into a file by itself; None keeps it out.
+_METADATA: Final[dict[str, dict[str, None]]] = {
+    ".png": {"Software": None},
+    ".svg": {"Creator": None, "Date": None},
+}
+
+
+def check_suffix(path: str | PathLike[str]) -> None:
+    """Check that a path ends as a picture does.
+
+    Raises
+    ------
+    InputError
+        If its suffix is none of `SUFFIXES`.
+    """
+    suffix = Path(path).suffix
+    if suffix.lower() not in SUFFIXES:
+        found = f"the suffix {suffix!r}" if suffix else "no suffix"
+        raise InputError(f"{path} has {found}: pictures are written as {' or '.join(SUFFIXES)}")
+
+
+def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
+    """Write a figure as PNG or SVG, told apart by suffix.
+
+    Equal figures give equal bytes: no date and no program version is written.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    path : path
+        Missing parent folders are made, an existing file is replaced.
+
+    Raises
+    ------
+    InputError
+        If the suffix is neither ``.png`` nor ``.svg``.
+    OSError
+        If the file cannot be written.
+    """
+    check_suffix(path)
+    suffix = Path(path).suffix.lower()
+    stream = io.BytesIO()
+    with styled():
+        figure.savefig(stream, format=suffix.removeprefix("."), metadata=_METADATA[suffix])
+    write_bytes(path, stream.getvalue())

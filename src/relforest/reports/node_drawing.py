@@ -1,0 +1,190 @@
+"""The nodes of a tree as shapes with text, and the lines between them.
+
+As in Figure 4.1 of Palmer (2015), instantiations are parallelograms, questions are rounded boxes and leaves
+are rectangles. Lengths are in inches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from matplotlib.axes import Axes
+from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
+
+from relforest.reports.style import BLUE, GREY, INK, PAPER, mixed, probability_color
+from relforest.reports.text_size import line_height, shortened, text_width, wrapped
+from relforest.reports.tree_layout import Box, Layout, Size
+from relforest.reports.tree_path import TreePath, bound_above, introduced
+from relforest.trees import Instantiation, Leaf, Question, Tree
+from relforest.trees.nodes import ANSWERS, variable_name
+from relforest.trees.text import sentence
+
+_QUESTION_WIDTH: Final = 2.5
+_LEAF_WIDTH: Final = 0.95
+_PADDING: Final = 0.08
+_SLANT: Final = 0.12
+_SMALL: Final = 7.0
+_TEXT: Final = 8.5
+_LARGE: Final = 11.0
+_LIT: Final = BLUE
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class NodeText:
+    """What is written in a node: a tag in small type and lines of normal type, and the size that needs."""
+
+    tag: str
+    lines: tuple[str, ...]
+    size: Size
+
+
+def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) -> tuple[NodeText, ...]:
+    """Return the text of every node.
+
+    Parameters
+    ----------
+    tree : Tree
+    names : dict of int to str
+        Short name of each question, such as ``"Q1"``, by node index.
+    path : TreePath, optional
+        Its instantiations name the objects that were bound.
+    """
+    bound, new = bound_above(tree), introduced(tree)
+    texts = []
+    for index, node in enumerate(tree.nodes):
+        if isinstance(node, Question):
+            texts.append(_question_text(names[index], node, new[index]))
+        elif isinstance(node, Leaf):
+            texts.append(_leaf_text(tree.leaves.index(index), node))
+        else:
+            on_path = path if path is not None and index in path.nodes else None
+            texts.append(_binding_text(tree, bound[index], on_path))
+    return tuple(texts)
+
+
+def draw_tree(
+    axes: Axes, tree: Tree, texts: tuple[NodeText, ...], layout: Layout, path: TreePath | None = None
+) -> None:
+    """Draw all nodes and edges into axes whose unit is an inch and whose y points downwards."""
+    lit = frozenset() if path is None else frozenset(path.nodes)
+    for index, node in enumerate(tree.nodes):
+        box = layout.boxes[index]
+        if isinstance(node, Question):
+            for answer, child in zip(ANSWERS, (node.yes, node.no, node.error), strict=True):
+                below = layout.boxes[child]
+                _draw_edge(axes, (box, below), answer, lit={index, child} <= lit)
+        elif isinstance(node, Instantiation):
+            _draw_edge(axes, (box, layout.boxes[node.child]), "", lit=index in lit)
+    for index, node in enumerate(tree.nodes):
+        _draw_node(axes, node, texts[index], layout.boxes[index], lit=index in lit)
+
+
+def _question_text(name: str, question: Question, fresh: tuple[int, ...]) -> NodeText:
+    lines = wrapped(f"{sentence(question, fresh)}?", _QUESTION_WIDTH - 2 * _PADDING, _TEXT)
+    height = line_height(_SMALL) + len(lines) * line_height(_TEXT) + 2 * _PADDING
+    widest = max(text_width(line, _TEXT) for line in lines)
+    width = min(max(widest + 2 * _PADDING, 1.5), _QUESTION_WIDTH)
+    tag = f"{name}  {question.mapping.name}"
+    return NodeText(shortened(tag, width - 2 * _PADDING, _SMALL), tuple(lines), (width, height))
+
+
+def _leaf_text(ordinal: int, leaf: Leaf) -> NodeText:
+    total = leaf.negatives + leaf.positives
+    counts = f"{leaf.positives} of {total}" if total else "no scenes"
+    width = max(_LEAF_WIDTH, text_width(counts, _TEXT) + 2 * _PADDING)
+    height = line_height(_SMALL) + line_height(_LARGE) + line_height(_TEXT) + 1.5 * _PADDING
+    return NodeText(f"leaf {ordinal}", (f"{leaf.probability:.2f}", counts), (width, height))
+
+
+def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:
+    letter, parameters = variable_name(variable), tree.schema.parameters
+    if path is not None:
+        witness = path.witnesses[variable]
+        text = f"{letter} = {'no object' if witness is None else witness}"
+    elif variable < len(parameters):
+        text = f"{letter}: {parameters[variable]}"
+    else:
+        text = f"{letter}: any object"
+    text = shortened(text, _QUESTION_WIDTH, _TEXT)
+    size = (text_width(text, _TEXT) + 2 * (_PADDING + _SLANT), line_height(_TEXT) + _PADDING)
+    return NodeText("", (text,), size)
+
+
+def _draw_node(axes: Axes, node: Leaf | Instantiation | Question, text: NodeText, box: Box, *, lit: bool) -> None:
+    edge, width = (_LIT, 2.2) if lit else (GREY, 0.9)
+    corner, size = (box.left, box.top), (box.right - box.left, box.bottom - box.top)
+    y = box.top + _PADDING
+    if isinstance(node, Leaf):
+        seen = node.negatives + node.positives > 0
+        fill = probability_color(node.probability) if seen else PAPER
+        axes.add_patch(
+            Rectangle(corner, *size, facecolor=fill, edgecolor=edge, linewidth=width, ls="-" if seen else ":")
+        )
+        ink = INK if seen or lit else GREY
+        y = _write(axes, text.tag, (box.center, box.top + _PADDING / 2), size=_SMALL, color=ink)
+        y = _write(axes, text.lines[0], (box.center, y), size=_LARGE, color=ink, bold=seen)
+        _write(axes, text.lines[1], (box.center, y), size=_TEXT, color=ink)
+    elif isinstance(node, Question):
+        shape = f"round,pad=0,rounding_size={0.12}"
+        axes.add_patch(
+            FancyBboxPatch(corner, *size, boxstyle=shape, facecolor=PAPER, edgecolor=edge, linewidth=width)
+        )
+        y = _write(axes, text.tag, (box.center, y), size=_SMALL, color=GREY)
+        for line in text.lines:
+            y = _write(axes, line, (box.center, y), size=_TEXT)
+    else:
+        left, right = box.left + _SLANT, box.right - _SLANT
+        outline = [(left, box.top), (box.right, box.top), (right, box.bottom), (box.left, box.bottom)]
+        fill = mixed(_LIT, 0.2) if lit else mixed(GREY, 0.15)
+        axes.add_patch(Polygon(outline, closed=True, facecolor=fill, edgecolor=edge, linewidth=width))
+        _write(axes, text.lines[0], (box.center, box.top + _PADDING / 2), size=_TEXT)
+
+
+def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) -> None:
+    above, below = boxes
+    axes.plot(
+        [above.center, below.center],
+        [above.bottom, below.top],
+        color=_LIT if lit else GREY,
+        linewidth=2.2 if lit else 0.9,
+        linestyle=":" if answer == "error" and not lit else "-",
+        zorder=0.5,
+        clip_on=False,
+    )
+    if answer:
+        share = 0.62
+        x = above.center + share * (below.center - above.center)
+        y = above.bottom + share * (below.top - above.bottom)
+        axes.text(
+            x,
+            y,
+            answer.capitalize(),
+            ha="center",
+            va="center",
+            fontsize=_TEXT,
+            color=GREY if answer == "error" else INK,
+            fontweight="bold" if lit else "normal",
+            bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 1.5},
+        )
+
+
+def _write(
+    axes: Axes, text: str, at: tuple[float, float], *, size: float, color: str = INK, bold: bool = False
+) -> float:
+    """Write a centred line whose top is at ``at``, and return where the next line begins."""
+    height = line_height(size)
+    axes.text(
+        at[0],
+        at[1] + height / 2,
+        text,
+        ha="center",
+        va="center",
+        fontsize=size,
+        color=color,
+        fontweight="bold" if bold else "normal",
+        parse_math=False,
+        clip_on=False,
+    )
+    return at[1] + height

@@ -1,0 +1,125 @@
+"""The points that each question of a tree sees in given scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.scenes import Scenes
+from relforest.support.errors import InputError
+from relforest.trees import Instantiation, Leaf, Question, Tree
+from relforest.trees.sequences import Sequences, argument_places, n_extensions, rows_of
+
+MOST_SEQUENCES: Final = 200_000
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class QuestionPoints:
+    """Points of a mapping's codomain, and which of them come from positive scenes.
+
+    Parameters
+    ----------
+    points : (n, d) float64
+    positive : (n,) bool
+    """
+
+    points: NDArray[np.float64]
+    positive: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.points)
+
+    def thinned(self, most: int) -> QuestionPoints:
+        """Return at most so many points of either class, evenly spaced in their order."""
+        kept = np.sort(
+            np.concatenate(
+                [_spread(np.flatnonzero(self.positive == label), most) for label in (False, True)]
+            )
+        )
+        return QuestionPoints(self.points[kept], self.positive[kept])
+
+
+def question_points(tree: Tree, scenes: Scenes, labels: NDArray[np.bool_]) -> dict[int, QuestionPoints]:
+    """Return the defined points of all instantiation sequences that arrive at each question.
+
+    Parameters
+    ----------
+    tree : Tree
+    scenes : Scenes
+        Of the tree's schema.
+    labels : (n_scenes,) bool
+        True for positive scenes.
+
+    Returns
+    -------
+    dict of int to QuestionPoints
+        By node index. Where more than `MOST_SEQUENCES` sequences would meet, only evenly spaced ones of them
+        are followed: a picture cannot show more.
+
+    Raises
+    ------
+    InputError
+        If the scenes have another schema, or the labels are not one for each scene.
+    """
+    if scenes.schema != tree.schema:
+        raise InputError(f"the tree is for scenes with {tree.schema}, these have {scenes.schema}")
+    if labels.shape != (len(scenes),):
+        raise InputError(f"there must be one label per scene: got {labels.shape} for {len(scenes)} scenes")
+    return {
+        index: QuestionPoints(points, labels[scene])
+        for index, scene, points in _visit(tree, scenes, argument_places(scenes))
+    }
+
+
+def _visit(
+    tree: Tree, scenes: Scenes, places: NDArray[np.int64]
+) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.float64]]]:
+    """Yield node index, scene (n,) and point (n, d) of everything defined that arrives at each question."""
+    stack = [(0, Sequences.empty(len(scenes)))]
+    while stack:
+        index, sequences = stack.pop()
+        node = tree.nodes[index]
+        if isinstance(node, Leaf):
+            continue
+        if isinstance(node, Instantiation):
+            stack.append((node.child, _extended(sequences, scenes, places)))
+            continue
+        points = _points(node, scenes, sequences)
+        defined = ~np.isnan(points).any(axis=1)
+        inside = np.zeros(len(points), dtype=np.bool_)
+        inside[defined] = node.volume.contains(points[defined])
+        stack.append((node.error, sequences.where(~defined)))
+        stack.append((node.no, sequences.where(defined & ~inside)))
+        stack.append((node.yes, sequences.where(inside)))
+        # Sequences that differ only in variables the question does not use share one point.
+        distinct = sequences.where(defined).distinct(node.variables)
+        mapped = node.mapping.evaluate(scenes.schema, scenes.matrix, rows_of(scenes, distinct))
+        yield index, distinct.scene, mapped
+
+
+def _points(node: Question, scenes: Scenes, sequences: Sequences) -> NDArray[np.float64]:
+    rows = np.ascontiguousarray(rows_of(scenes, sequences)[:, node.variables])
+    return node.mapping.evaluate(scenes.schema, scenes.matrix, rows)
+
+
+def _extended(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64]) -> Sequences:
+    arriving = n_extensions(sequences.scene, sequences.objects, scenes.counts, places)
+    if arriving > MOST_SEQUENCES:
+        kept = np.zeros(len(sequences), dtype=np.bool_)
+        share = max(int(len(sequences) * MOST_SEQUENCES / arriving), 1)
+        kept[_spread(np.arange(len(sequences)), share)] = True
+        sequences = sequences.where(kept)
+    return sequences.extended(scenes.counts, places)
+
+
+def _spread(indices: NDArray[np.intp], most: int) -> NDArray[np.intp]:
+    """Return at most so many of the indices, evenly spaced."""
+    if len(indices) <= most:
+        return indices
+    return indices[np.linspace(0, len(indices) - 1, most).round().astype(np.int64)]

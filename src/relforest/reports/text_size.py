@@ -1,0 +1,61 @@
+"""How much room text needs, known before anything is drawn."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Final, Literal
+
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
+
+Weight = Literal["normal", "bold"]
+
+LINE_SPACING: Final = 1.25
+_POINTS_PER_INCH: Final = 72.0
+
+
+@lru_cache(maxsize=4096)
+def text_width(text: str, size: float, weight: Weight = "normal") -> float:
+    """Return the width in inches of one line of text, `size` points high."""
+    font = FontProperties(family="DejaVu Sans", weight=weight, size=size)
+    width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
+    return float(width) / _POINTS_PER_INCH
+
+
+def line_height(size: float) -> float:
+    """Return the distance in inches from one line of text to the next."""
+    return LINE_SPACING * size / _POINTS_PER_INCH
+
+
+def wrapped(text: str, width: float, size: float) -> list[str]:
+    """Break text into lines of at most `width` inches; a word longer than that is broken too."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if text_width(longer, size) <= width:
+            lines[-1] = longer
+            continue
+        pieces = _pieces(word, width, size)
+        lines += pieces if lines[-1] else []
+        if not lines[0]:
+            lines = pieces
+    return lines
+
+
+def shortened(text: str, width: float, size: float, weight: Weight = "normal") -> str:
+    """Return text that fits into `width` inches, with an ellipsis where its end is missing."""
+    if text_width(text, size, weight) <= width:
+        return text
+    kept = text
+    while kept and text_width(f"{kept}…", size, weight) > width:
+        kept = kept[:-1]
+    return f"{kept.rstrip()}…"
+
+
+def _pieces(word: str, width: float, size: float) -> list[str]:
+    pieces = [""]
+    for letter in word:
+        if pieces[-1] and text_width(pieces[-1] + letter, size) > width:
+            pieces.append("")
+        pieces[-1] += letter
+    return pieces

@@ -1,0 +1,97 @@
+"""Where the nodes of a tree stand in its drawing.
+
+Lengths are in inches; x grows to the right, y downwards from the top of the root.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+from relforest.trees import Instantiation, Node
+from relforest.trees.nodes import children
+
+SIDE_GAP: Final = 0.16
+ANSWER_GAP: Final = 0.52
+BINDING_GAP: Final = 0.14
+
+Size = tuple[float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Box:
+    """The place of a node: its left and right edge, its top and its bottom."""
+
+    left: float
+    right: float
+    top: float
+    bottom: float
+
+    @property
+    def center(self) -> float:
+        """Abscissa of the middle."""
+        return (self.left + self.right) / 2
+
+    def moved(self, right: float, down: float) -> Box:
+        """Return the same box elsewhere."""
+        return Box(self.left + right, self.right + right, self.top + down, self.bottom + down)
+
+    def beside(self, other: Box) -> bool:
+        """Tell whether two boxes share a height at which their sides could touch."""
+        return self.top < other.bottom + SIDE_GAP and other.top < self.bottom + SIDE_GAP
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The places of all nodes, by node index, and the room that they need."""
+
+    boxes: tuple[Box, ...]
+    width: float
+    height: float
+
+
+def lay_out(nodes: Sequence[Node], sizes: Sequence[Size]) -> Layout:
+    """Place a tree from top to bottom, children side by side as close as their subtrees allow.
+
+    Parameters
+    ----------
+    nodes : sequence of Node
+        Depth first, as in `Tree.nodes`.
+    sizes : sequence of (width, height)
+        Of each node.
+    """
+    subtrees: list[dict[int, Box]] = [{} for _ in nodes]
+    # Children stand behind their parents, so going backwards finds every subtree finished.
+    for index in range(len(nodes) - 1, -1, -1):
+        width, height = sizes[index]
+        own = Box(-width / 2, width / 2, 0.0, height)
+        gap = BINDING_GAP if isinstance(nodes[index], Instantiation) else ANSWER_GAP
+        below = children(nodes[index])
+        subtrees[index] = {index: own}
+        for position, subtree in enumerate(_side_by_side([subtrees[child] for child in below], below)):
+            down = own.bottom + gap
+            subtrees[index] |= {node: box.moved(0.0, down) for node, box in subtree.items()}
+            subtrees[below[position]] = {}
+    boxes = subtrees[0]
+    left = min(box.left for box in boxes.values())
+    placed = tuple(boxes[index].moved(-left, 0.0) for index in range(len(nodes)))
+    return Layout(placed, max(box.right for box in placed), max(box.bottom for box in placed))
+
+
+def _side_by_side(subtrees: Sequence[dict[int, Box]], roots: Sequence[int]) -> list[dict[int, Box]]:
+    """Move subtrees next to each other, their roots centred around 0."""
+    placed: list[dict[int, Box]] = []
+    for subtree in subtrees:
+        shift = 0.0
+        for left in (box for earlier in placed for box in earlier.values()):
+            for right in subtree.values():
+                if left.beside(right):
+                    shift = max(shift, left.right + SIDE_GAP - right.left)
+        placed.append({node: box.moved(shift, 0.0) for node, box in subtree.items()})
+    if not placed:
+        return placed
+    middle = (placed[0][roots[0]].center + placed[-1][roots[-1]].center) / 2
+    return [{node: box.moved(-middle, 0.0) for node, box in subtree.items()} for subtree in placed]

@@ -1,0 +1,122 @@
+"""The way of one scene through a tree: which leaf decided, past which nodes, by which objects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.scenes import Scenes
+from relforest.support.errors import InputError
+from relforest.trees import Instantiation, Leaf, Question, Tree, query
+from relforest.trees.nodes import children, variable_name
+from relforest.trees.text import fresh_variables
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class TreePath:
+    """What decided about one scene.
+
+    Parameters
+    ----------
+    scene_id : int or str
+    leaf : int
+        Ordinal of the deciding leaf.
+    nodes : tuple of int
+        Node indices from the root to the leaf.
+    witnesses : tuple of (int, str or None)
+        Identifier of the object bound to each variable on the way, None = no object.
+    points : dict of int to (d,) float64
+        The point that each question on the way saw; NaN where it was undefined.
+    """
+
+    scene_id: Any
+    leaf: int
+    nodes: tuple[int, ...]
+    witnesses: tuple[Any, ...]
+    points: dict[int, NDArray[np.float64]]
+
+
+def tree_path(tree: Tree, scene: Scenes) -> TreePath:
+    """Follow one scene through a tree.
+
+    Parameters
+    ----------
+    tree : Tree
+    scene : Scenes
+        A single scene of the tree's schema.
+
+    Raises
+    ------
+    InputError
+        If there is not exactly one scene, or it has another schema.
+    """
+    if len(scene) != 1:
+        raise InputError(f"a path is of one scene, got {len(scene)}: pick one with scenes.take([position])")
+    answers = query(tree, scene)
+    leaf, rows = int(answers.leaf[0]), answers.witnesses[0]
+    nodes = _ancestors(tree, tree.leaves[leaf])
+    n_bound = sum(isinstance(tree.nodes[index], Instantiation) for index in nodes)
+    witnesses = tuple(None if row < 0 else plain_id(scene.object_ids[row]) for row in rows[:n_bound])
+    points = {}
+    for index in nodes:
+        node = tree.nodes[index]
+        if isinstance(node, Question):
+            bound = np.ascontiguousarray(rows[list(node.variables)][None])
+            points[index] = node.mapping.evaluate(scene.schema, scene.matrix, bound)[0]
+    return TreePath(plain_id(scene.scene_ids[0]), leaf, nodes, witnesses, points)
+
+
+def plain_id(value: object) -> Any:  # noqa: ANN401 - identifiers are integers or strings
+    """Return an identifier as a Python int or str."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def bound_above(tree: Tree) -> tuple[int, ...]:
+    """Return for each node the number of variables that its branch has bound before it."""
+    bound = [0] * len(tree.nodes)
+    for index, node in enumerate(tree.nodes):
+        for child in children(node):
+            bound[child] = bound[index] + isinstance(node, Instantiation)
+    return tuple(bound)
+
+
+def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
+    """Return for each question the variables that are new there and range over objects."""
+    bound = bound_above(tree)
+    new: dict[int, tuple[int, ...]] = {}
+    run = [0] * len(tree.nodes)
+    for index, node in enumerate(tree.nodes):
+        if isinstance(node, Instantiation):
+            run[node.child] = run[index] + 1
+        elif isinstance(node, Question):
+            new[index] = fresh_variables(tree.schema, bound[index] - run[index], run[index])
+    return new
+
+
+def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
+    """Return such as ``("A (passer) = p3", "B = p7")`` for the variables bound on a path."""
+    names = []
+    for variable, witness in enumerate(path.witnesses):
+        parameters = tree.schema.parameters
+        role = f" ({parameters[variable]})" if variable < len(parameters) else ""
+        names.append(f"{variable_name(variable)}{role} = {'no object' if witness is None else witness}")
+    return tuple(names)
+
+
+def leaf_node(tree: Tree, ordinal: int) -> Leaf:
+    """Return a leaf by its ordinal."""
+    node = tree.nodes[tree.leaves[ordinal]]
+    assert isinstance(node, Leaf)
+    return node
+
+
+def _ancestors(tree: Tree, index: int) -> tuple[int, ...]:
+    parents = {child: parent for parent, node in enumerate(tree.nodes) for child in children(node)}
+    path = [index]
+    while path[-1] in parents:
+        path.append(parents[path[-1]])
+    return tuple(reversed(path))

@@ -1,0 +1,204 @@
+"""A question's decision volume as a picture, over the points that the question sees."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Ellipse, Wedge
+from numpy.typing import NDArray
+
+from relforest.mappings import Mapping
+from relforest.reports.question_points import QuestionPoints
+from relforest.reports.style import GREY, INK, NEGATIVE, PAPER, POSITIVE, mixed
+from relforest.volumes import Arc, Ellipsoid, Volume
+
+MOST_POINTS: Final = 400
+"""Most points of either class in a picture."""
+
+_FILL: Final = mixed("#F0E442", 0.45)
+_FILL_EDGE: Final = "#8A7F00"
+_BINS: Final = 24
+
+Points = NDArray[np.float64]
+
+
+def draw_volume(
+    axes: Axes,
+    mapping: Mapping,
+    volume: Volume,
+    points: QuestionPoints | None = None,
+    witness: Points | None = None,
+) -> None:
+    """Draw a decision volume: an ellipse, an interval, or an arc of a circle.
+
+    Beyond two dimensions it is the interval of Mahalanobis distances within the radius.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    mapping : Mapping
+        Names the axes.
+    volume : Volume
+    points : QuestionPoints, optional
+        What the question sees; positive and negative scenes differ in colour.
+    witness : (d,) float64, optional
+        A point to be marked; ignored if it is undefined.
+    """
+    if witness is not None and np.isnan(witness).any():
+        witness = None
+    if isinstance(volume, Arc):
+        _draw_arc(axes, volume, points, witness)
+    elif volume.dim == 2:
+        _draw_ellipse(axes, volume, points, witness)
+        axes.set_xlabel(_axis_name(mapping, 0), labelpad=1.0, parse_math=False)
+        axes.set_ylabel(_axis_name(mapping, 1), labelpad=1.0, parse_math=False)
+    elif volume.dim == 1:
+        half = float(np.linalg.norm(volume.axes[0]))
+        mean = float(volume.mean[0])
+        values = None if points is None else QuestionPoints(points.points, points.positive)
+        _draw_interval(axes, (mean - half, mean + half), mean, values, witness)
+        axes.set_xlabel(mapping.name, labelpad=1.0, parse_math=False)
+    else:
+        scaled = None
+        if points is not None:
+            scaled = QuestionPoints(_relative(volume, points.points), points.positive)
+        at = None if witness is None else _relative(volume, witness[None])[0]
+        _draw_interval(axes, (0.0, 1.0), 0.0, scaled, at)
+        axes.set_xlabel("Mahalanobis distance / radius", labelpad=1.0)
+
+
+def _relative(volume: Ellipsoid, points: Points) -> Points:
+    """Return the distances (n, 1) of points from the mean, in radii."""
+    radius = volume.radius or 1.0
+    return volume.distance(points)[:, None] / radius
+
+
+def _draw_ellipse(
+    axes: Axes, volume: Ellipsoid, points: QuestionPoints | None, witness: Points | None
+) -> None:
+    long, short = volume.axes
+    size = 2 * np.linalg.norm(volume.axes, axis=1)
+    center = (float(volume.mean[0]), float(volume.mean[1]))
+    angle = math.degrees(math.atan2(long[1], long[0]))
+    shape = {"xy": center, "width": size[0], "height": size[1], "angle": angle}
+    axes.add_patch(Ellipse(**shape, facecolor=_FILL, edgecolor="none", zorder=0.5))
+    if points is not None:
+        _scatter(axes, points.thinned(MOST_POINTS))
+    axes.add_patch(Ellipse(**shape, facecolor="none", edgecolor=_FILL_EDGE, linewidth=1.4, zorder=3))
+    for axis in (long, short):
+        end = (center[0] + axis[0], center[1] + axis[1])
+        axes.annotate(
+            "",
+            end,
+            center,
+            arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0},
+            zorder=4,
+        )
+    if witness is not None:
+        _star(axes, float(witness[0]), float(witness[1]))
+    half = np.abs(volume.axes).max(axis=0) if points is None else np.hypot(long, short)
+    low, high = _window(volume.mean, half, None if points is None else points.points, witness)
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal", adjustable="datalim")
+
+
+def _window(
+    mean: Points, half: Points, points: Points | None, witness: Points | None
+) -> tuple[Points, Points]:
+    """Return the corners of what is shown: the volume with some surroundings, no further than there are points."""
+    low, high = mean - 1.2 * half, mean + 1.2 * half
+    if points is not None and len(points):
+        outer = np.quantile(points, [0.01, 0.99], axis=0)
+        margin = 0.05 * (outer[1] - outer[0])
+        # Around a small volume the surroundings, of a huge one only where the points are.
+        low = np.maximum(outer[0] - margin, mean - 3.0 * half)
+        high = np.minimum(outer[1] + margin, mean + 3.0 * half)
+        low, high = np.minimum(low, mean - 0.25 * half), np.maximum(high, mean + 0.25 * half)
+    if witness is not None:
+        low, high = np.minimum(low, witness - 0.1 * half), np.maximum(high, witness + 0.1 * half)
+    flat = high - low <= 0.0
+    return np.where(flat, low - 0.5, low), np.where(flat, high + 0.5, high)
+
+
+def _scatter(axes: Axes, points: QuestionPoints) -> None:
+    for label, color, marker in ((False, NEGATIVE, "o"), (True, POSITIVE, "^")):
+        own = points.points[points.positive == label]
+        axes.scatter(
+            own[:, 0], own[:, 1], s=7, color=color, marker=marker, alpha=0.55, linewidths=0, zorder=1 + label
+        )
+
+
+def _star(axes: Axes, x: float, y: float) -> None:
+    axes.plot([x], [y], marker="*", ms=13, color=PAPER, mec=INK, mew=1.2, zorder=5, clip_on=False, ls="")
+
+
+def _draw_interval(
+    axes: Axes,
+    interval: tuple[float, float],
+    mean: float,
+    points: QuestionPoints | None,
+    witness: Points | None,
+) -> None:
+    """Draw an interval over a histogram: positive scenes upwards, negative ones downwards."""
+    axes.axvspan(*interval, facecolor=_FILL, edgecolor=_FILL_EDGE, linewidth=1.2, zorder=0.5)
+    axes.axvline(mean, color=_FILL_EDGE, linewidth=1.0, linestyle="--", zorder=1)
+    middle, half = np.array([np.mean(interval)]), np.array([(interval[1] - interval[0]) / 2])
+    low, high = _window(middle, half, None if points is None else points.points, witness)
+    axes.set_xlim(low[0], high[0])
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.set_yticks([])
+    axes.spines["left"].set_visible(False)
+    highest = 1.0
+    if points is not None and len(points):
+        edges = np.linspace(low[0], high[0], _BINS + 1)
+        shares = [_shares(points.points[points.positive == label, 0], edges) for label in (True, False)]
+        highest = max(float(max(shares[0].max(), shares[1].max())), 1e-9)
+        for heights, color in ((shares[0], POSITIVE), (-shares[1], NEGATIVE)):
+            axes.bar(edges[:-1], heights, np.diff(edges), align="edge", color=color, alpha=0.75, zorder=2)
+    axes.set_ylim(-1.1 * highest, 1.1 * highest)
+    if witness is not None:
+        _star(axes, float(witness[0]), 0.0)
+
+
+def _shares(values: Points, edges: Points) -> Points:
+    """Return the share of the values in each bin: classes of any size can be compared."""
+    counts, _ = np.histogram(values, edges)
+    return counts / max(len(values), 1)
+
+
+def _draw_arc(axes: Axes, volume: Arc, points: QuestionPoints | None, witness: Points | None) -> None:
+    begin, end = (math.degrees(volume.mean + side * volume.radius) for side in (-1, 1))
+    whole = volume.radius >= math.pi
+    axes.add_patch(
+        Wedge((0, 0), 1.0, 0 if whole else begin, 360 if whole else end, facecolor=_FILL, edgecolor=_FILL_EDGE)
+    )
+    turn = np.linspace(0.0, 2 * math.pi, 181)
+    axes.plot(np.cos(turn), np.sin(turn), color=GREY, linewidth=1.0)
+    axes.plot([0, math.cos(volume.mean)], [0, math.sin(volume.mean)], color=INK, linewidth=1.2)
+    if points is not None:
+        for label, color, radii in ((False, NEGATIVE, (0.86, 0.98)), (True, POSITIVE, (1.02, 1.14))):
+            own = points.thinned(MOST_POINTS)
+            angles = own.points[own.positive == label, 0]
+            ends = [np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1) for radius in radii]
+            segments = np.stack([*ends, np.full_like(ends[0], np.nan)], axis=1).reshape(-1, 2)
+            axes.plot(segments[:, 0], segments[:, 1], color=color, linewidth=0.8, alpha=0.6)
+    if witness is not None:
+        _star(axes, math.cos(float(witness[0])), math.sin(float(witness[0])))
+    for angle, name in ((0.0, "0"), (0.5 * math.pi, "π/2"), (math.pi, "π"), (-0.5 * math.pi, "-π/2")):
+        axes.text(
+            1.32 * math.cos(angle), 1.32 * math.sin(angle), name, ha="center", va="center", fontsize=8, color=GREY
+        )
+    axes.set_xlim(-1.5, 1.5)
+    axes.set_ylim(-1.5, 1.5)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def _axis_name(mapping: Mapping, component: int) -> str:
+    if mapping.arity == 3:
+        return ("along", "across")[component]
+    return f"{mapping.attribute.name} {component + 1}"

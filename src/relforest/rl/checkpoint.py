@@ -1,0 +1,235 @@
+"""A run folder: everything an interrupted run needs to go on as if nothing had happened.
+
+``experience/`` and ``trees/`` are written first, then ``checkpoint.json``, which is the moment an iteration
+counts. ``metrics.jsonl``, ``policy.json`` and ``weights.npz`` are derived from the checkpoint and restored
+from it where an interruption left an older version. No state of a random generator is stored: every stream of
+a run is named by the iteration and its purpose.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, final
+
+import numpy as np
+
+from relforest.rl import policy_file
+from relforest.rl.experience import COLUMNS, Experience
+from relforest.rl.policy_file import (
+    POLICY,
+    TREES,
+    WEIGHTS,
+    TreeNames,
+    describe,
+    rebuild,
+    slugs,
+    write_policy,
+    write_tree,
+)
+from relforest.rl.value import ValueFunction
+from relforest.support.errors import ModelFormatError, RunFolderError
+from relforest.support.files import read_json, read_npz, write_json, write_npz, write_text
+
+FORMAT: Final = "relforest-checkpoint"
+VERSION: Final = 1
+CHECKPOINT: Final = "checkpoint.json"
+METRICS: Final = "metrics.jsonl"
+TIMINGS: Final = "timings.jsonl"
+EXPERIENCE: Final = "experience"
+
+METRIC_NAMES: Final = ("iteration", "test_reward", "train_reward", "trees", "leaves")
+
+Row = dict[str, Any]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Progress:
+    """What a run has learned so far.
+
+    Parameters
+    ----------
+    value : ValueFunction
+    tree_names : tuple of tuple of str
+        The file name of each tree of `value`.
+    metrics : tuple of dict
+        One row per iteration, row 0 = before learning; keys `METRIC_NAMES`.
+    batches : tuple of Experience
+        Training experience, one batch per iteration.
+    """
+
+    value: ValueFunction
+    tree_names: TreeNames
+    metrics: tuple[Row, ...]
+    batches: tuple[Experience, ...]
+
+    @property
+    def iteration(self) -> int:
+        """Number of the last iteration, -1 before anything was measured."""
+        return len(self.metrics) - 1
+
+
+@final
+class RunFolder:
+    """The folder of one run.
+
+    ========================= ==========================================================================
+    ``checkpoint.json``       configuration, metrics, weights, names of the trees: what counts
+    ``experience/``           ``iteration-0001.npz``, ...: training experience
+    ``trees/``                ``0001-left-1.json``, ...: the accepted trees
+    ``metrics.jsonl``         a line per iteration, for reading (derived)
+    ``policy.json``,          the policy, for reading (derived)
+    ``weights.npz``
+    ``timings.jsonl``         clock times, appended; never the same twice
+    ========================= ==========================================================================
+
+    Parameters
+    ----------
+    path : path
+        The folder; it is made when something is written.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._path = Path(path)
+
+    @property
+    def path(self) -> Path:
+        """The folder."""
+        return self._path
+
+    @property
+    def holds_run(self) -> bool:
+        """Whether there is a checkpoint.
+
+        Raises
+        ------
+        RunFolderError
+            If there is none, but other files of a run are.
+        """
+        if (self._path / CHECKPOINT).exists():
+            return True
+        for name in (METRICS, POLICY, WEIGHTS):
+            if (self._path / name).exists():
+                raise RunFolderError(
+                    f"{self._path} holds {name} but no {CHECKPOINT}, so the run cannot be continued; "
+                    "restore that file or choose another folder"
+                )
+        return False
+
+    def write(self, progress: Progress, configuration: Mapping[str, Any]) -> None:
+        """Write the progress of a run; what earlier iterations wrote is left as it is.
+
+        Raises
+        ------
+        OSError
+            If a file cannot be written; the checkpoint before is still valid then.
+        """
+        last = f"{progress.iteration:04d}-"
+        for number, batch in enumerate(progress.batches, start=1):
+            path = self._experience(number)
+            if number == progress.iteration or not path.exists():
+                write_npz(path, batch.arrays())
+        for name, tree in _named_trees(progress):
+            if name.startswith(last) or not (self._path / TREES / name).exists():
+                write_tree(self._path, name, tree)
+        weights = dict(zip(slugs(progress.value.action_types), progress.value.weights, strict=True))
+        write_json(
+            self._path / CHECKPOINT,
+            {
+                "format": FORMAT,
+                "version": VERSION,
+                "iteration": progress.iteration,
+                "configuration": configuration,
+                "metrics": list(progress.metrics),
+                "policy": describe(progress.value, progress.tree_names),
+                "weights": {name: vector.tolist() for name, vector in weights.items()},
+            },
+        )
+        self._write_derived(progress)
+
+    def read(self) -> tuple[Progress, dict[str, Any]]:
+        """Read progress and configuration.
+
+        Raises
+        ------
+        ModelFormatError
+            If a file is missing or malformed, or the files do not belong together.
+        """
+        path = self._path / CHECKPOINT
+        document = read_json(path, format=FORMAT, version=VERSION)
+        try:
+            metrics = tuple(_row(number, row) for number, row in enumerate(document["metrics"]))
+            weights = {
+                name: np.array(vector, dtype=np.float64) for name, vector in document["weights"].items()
+            }
+            configuration, policy = dict(document["configuration"]), dict(document["policy"])
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise ModelFormatError(
+                f"{path} is damaged ({error!r}); restore it from a copy or start again in another folder"
+            ) from error
+        if not metrics or document.get("iteration") != len(metrics) - 1:
+            raise ModelFormatError(f"{path} is damaged: its metrics do not end with its iteration")
+        value, names = rebuild(policy, weights, self._path, str(path))
+        batches = tuple(self._read_batch(number, value) for number in range(1, len(metrics)))
+        return Progress(value, names, metrics, batches), configuration
+
+    def repair(self, progress: Progress) -> None:
+        """Undo the traces of an interruption: restore derived files, remove what no checkpoint names."""
+        if not self._is_derived(progress):
+            self._write_derived(progress)
+        for path in self._leftovers(progress):
+            path.unlink()
+
+    def _write_derived(self, progress: Progress) -> None:
+        lines = [json.dumps(row, allow_nan=False) for row in progress.metrics]
+        write_text(self._path / METRICS, "\n".join(lines) + "\n")
+        write_policy(self._path, progress.value, progress.tree_names, progress.iteration)
+
+    def _is_derived(self, progress: Progress) -> bool:
+        """Whether the derived files are of this iteration; `write_policy` writes the policy last."""
+        try:
+            header = read_json(self._path / POLICY, format=policy_file.FORMAT, version=policy_file.VERSION)
+        except ModelFormatError:
+            return False
+        others = (self._path / METRICS, self._path / WEIGHTS)
+        return header.get("iteration") == progress.iteration and all(path.exists() for path in others)
+
+    def _leftovers(self, progress: Progress) -> Iterator[Path]:
+        trees, experience = self._path / TREES, self._path / EXPERIENCE
+        for folder in (self._path, trees, experience):
+            yield from folder.glob(".*.tmp")
+        known = {name for name, _ in _named_trees(progress)}
+        yield from (path for path in trees.glob("*.json") if path.name not in known)
+        kept = {self._experience(number) for number in range(1, progress.iteration + 1)}
+        yield from (path for path in experience.glob("iteration-*.npz") if path not in kept)
+
+    def _experience(self, number: int) -> Path:
+        return self._path / EXPERIENCE / f"iteration-{number:04d}.npz"
+
+    def _read_batch(self, number: int, value: ValueFunction) -> Experience:
+        path = self._experience(number)
+        batch = Experience.from_arrays(read_npz(path, COLUMNS), origin=str(path))
+        arity = max((kind.arity for kind in value.action_types), default=0)
+        fits = batch.matrix.shape[1] == value.schema.width and batch.arguments.shape[1] == arity
+        if not fits or batch.types.max(initial=0) >= len(value.action_types):
+            raise ModelFormatError(f"{path} is of another world than the checkpoint beside it")
+        return batch
+
+
+def _named_trees(progress: Progress) -> Iterator[tuple[str, Any]]:
+    for names, trees in zip(progress.tree_names, progress.value.forests, strict=True):
+        yield from zip(names, trees, strict=True)
+
+
+def _row(number: int, row: object) -> Row:
+    if not isinstance(row, dict) or tuple(row) != METRIC_NAMES or row["iteration"] != number:
+        raise ValueError(f"row {number} of the metrics must have the keys {', '.join(METRIC_NAMES)}")
+    for name, entry in row.items():
+        absent = name == "train_reward" and number == 0 and entry is None
+        if not absent and (isinstance(entry, bool) or not isinstance(entry, (int, float))):
+            raise TypeError(f"{name} of row {number} must be a number")
+    return dict(row)

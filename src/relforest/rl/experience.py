@@ -1,0 +1,271 @@
+"""What an agent has seen: transitions of a semi-Markov decision process, in columns.
+
+A state is stored once, even where the next state of one transition is the state of the following one. Every
+action that was available in a state (a *candidate*) is stored with it, because policy iteration asks for the
+value of all of them. Scenes for learning are views: `action_scenes` binds the arguments of candidates and
+shares all object rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.scenes import Scenes, Schema
+from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.smdp import UNBOUND
+from relforest.support.errors import InputError, ModelFormatError
+
+BoolArray = NDArray[np.bool_]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Experience:
+    """A batch of episodes.
+
+    Letters: s states, r object rows, c candidate actions, n transitions, e episodes, w columns of the world's
+    schema, k the largest arity among its action types.
+
+    Parameters
+    ----------
+    matrix : (r, w) float64
+        The objects of all states, one row each, NaN = undefined.
+    objects : (s + 1,) int64
+        State ``i`` has the rows ``objects[i]`` to ``objects[i + 1]`` (exclusive).
+    candidates : (s + 1,) int64
+        State ``i`` offers the candidates ``candidates[i]`` to ``candidates[i + 1]`` (exclusive).
+    types : (c,) int64
+        Action type of each candidate.
+    arguments : (c, k) int64
+        Positions of the bound objects within their state, -1 = none.
+    states, next_states : (n,) int64
+        State numbers at both ends of each transition.
+    actions : (n,) int64
+        The candidate that was taken; it belongs to the state of the transition.
+    rewards : (n,) float64
+        Reward inside the action, discounted to its beginning.
+    durations : (n,) float64
+        How long the action took, in the world's unit of time.
+    terminal, truncated : (n,) bool
+        Whether the transition ended its episode in a terminal state, or by a limit of time.
+    episode_rewards, episode_durations : (e,) float64
+        Undiscounted total reward and duration of each episode.
+
+    Raises
+    ------
+    InputError
+        If a shape or type is wrong, a number points outside its table, or a reward or duration is not finite.
+
+    References
+    ----------
+    Palmer (2015), section 2.1 (options) and section 6.3 (the examples that SMRF-RPI learns from).
+    """
+
+    matrix: FloatArray
+    objects: IntArray
+    candidates: IntArray
+    types: IntArray
+    arguments: IntArray
+    states: IntArray
+    next_states: IntArray
+    actions: IntArray
+    rewards: FloatArray
+    durations: FloatArray
+    terminal: BoolArray
+    truncated: BoolArray
+    episode_rewards: FloatArray
+    episode_durations: FloatArray
+
+    def __post_init__(self) -> None:
+        for name, (kind, ndim) in _LAYOUT.items():
+            object.__setattr__(self, name, _column(name, getattr(self, name), kind, ndim))
+        _check_offsets("objects", self.objects, len(self.matrix))
+        _check_offsets("candidates", self.candidates, len(self.types))
+        _check_lengths(self)
+        _check_numbers(self)
+
+    def __len__(self) -> int:
+        """Return the number of transitions."""
+        return len(self.states)
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return len(self.objects) - 1
+
+    @property
+    def n_episodes(self) -> int:
+        """Number of episodes."""
+        return len(self.episode_rewards)
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return all columns by name, for `relforest.support.files.write_npz`."""
+        return {name: getattr(self, name) for name in _LAYOUT}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], *, origin: str) -> Experience:
+        """Build the batch that `arrays` described.
+
+        Parameters
+        ----------
+        arrays : mapping
+            All of `COLUMNS` by name.
+        origin : str
+            Where the arrays come from, for messages.
+
+        Raises
+        ------
+        ModelFormatError
+            If a column is missing or the columns do not fit together.
+        """
+        missing = [name for name in COLUMNS if name not in arrays]
+        if missing:
+            raise ModelFormatError(f"{origin} is no batch of experience: it lacks {', '.join(missing)}")
+        try:
+            return cls(**{name: arrays[name] for name in COLUMNS})
+        except InputError as error:
+            raise ModelFormatError(f"{origin} is no valid batch of experience: {error}") from error
+
+
+def concatenate(batches: Sequence[Experience]) -> Experience:
+    """Join batches of the same world in the given order; their states and candidates are renumbered.
+
+    Raises
+    ------
+    InputError
+        If there is no batch, or the worlds have different numbers of columns.
+    """
+    if not batches:
+        raise InputError("there is no experience to join: gather at least one batch first")
+    widths = {(batch.matrix.shape[1], batch.arguments.shape[1]) for batch in batches}
+    if len(widths) > 1:
+        raise InputError(
+            f"batches of different worlds cannot be joined: (columns, arity) are {sorted(widths)}"
+        )
+    if len(batches) == 1:
+        return batches[0]
+    states = _shifts([batch.n_states for batch in batches])
+    candidates = _shifts([len(batch.types) for batch in batches])
+    rows = _shifts([len(batch.matrix) for batch in batches])
+    moved = {"states": states, "next_states": states, "actions": candidates}
+    columns: dict[str, NDArray[Any]] = {}
+    for name in COLUMNS:
+        parts = [getattr(batch, name) for batch in batches]
+        if name in moved:
+            parts = [part + shift for part, shift in zip(parts, moved[name], strict=True)]
+        if name in ("objects", "candidates"):
+            shifts = rows if name == "objects" else candidates
+            parts = [
+                np.zeros(1, np.int64),
+                *(part[1:] + shift for part, shift in zip(parts, shifts, strict=True)),
+            ]
+        columns[name] = np.concatenate(parts)
+    return Experience(**columns)
+
+
+def action_scenes(experience: Experience, candidates: IntArray, schema: Schema) -> Scenes:
+    """Return one scene per candidate action: the objects of its state, the action's arguments bound first.
+
+    Parameters
+    ----------
+    experience : Experience
+    candidates : (m,) int64
+        Candidate numbers, all of one action type.
+    schema : Schema
+        The world's attributes with the parameters of that action type.
+
+    Returns
+    -------
+    Scenes
+        m scenes that share the object rows of their states; nothing is copied.
+    """
+    states = np.searchsorted(experience.candidates, candidates, side="right") - 1
+    starts = experience.objects[states]
+    positions = experience.arguments[candidates, : schema.n_parameters]
+    return Scenes(
+        schema,
+        experience.matrix,
+        np.arange(len(experience.matrix)),
+        starts,
+        experience.objects[states + 1] - starts,
+        np.where(positions == UNBOUND, UNBOUND, positions + starts[:, None]),
+    )
+
+
+COLUMNS = tuple(field.name for field in fields(Experience))
+"""Names of the columns of `Experience`, in order."""
+
+_LAYOUT: dict[str, tuple[type[Any], int]] = {
+    name: (
+        np.bool_
+        if name in ("terminal", "truncated")
+        else np.float64
+        if name in ("matrix", "rewards", "durations", "episode_rewards", "episode_durations")
+        else np.int64,
+        2 if name in ("matrix", "arguments") else 1,
+    )
+    for name in COLUMNS
+}
+
+
+def _shifts(sizes: Sequence[int]) -> list[int]:
+    return [sum(sizes[:i]) for i in range(len(sizes))]
+
+
+def _column(name: str, values: NDArray[Any], kind: type[Any], ndim: int) -> NDArray[Any]:
+    array = np.asarray(values)
+    if array.dtype != kind or array.ndim != ndim:
+        raise InputError(
+            f"{name} must be a {ndim}-dimensional array of {np.dtype(kind)}, "
+            f"got {array.ndim} dimensions of {array.dtype}"
+        )
+    view = np.ascontiguousarray(array).view()
+    view.flags.writeable = False
+    return view
+
+
+def _check_offsets(name: str, offsets: IntArray, end: int) -> None:
+    if len(offsets) == 0 or offsets[0] != 0 or offsets[-1] != end or (np.diff(offsets) < 0).any():
+        raise InputError(f"{name} must be offsets that rise from 0 to {end}")
+
+
+def _check_lengths(experience: Experience) -> None:
+    groups = (
+        ("objects", "candidates"),
+        ("types", "arguments"),
+        ("states", "next_states", "actions", "rewards", "durations", "terminal", "truncated"),
+        ("episode_rewards", "episode_durations"),
+    )
+    for names in groups:
+        lengths = [len(getattr(experience, name)) for name in names]
+        if len(set(lengths)) > 1:
+            raise InputError(f"{', '.join(names)} must have the same length, got {lengths}")
+
+
+def _check_numbers(experience: Experience) -> None:
+    n_states, n_candidates = experience.n_states, len(experience.types)
+    for name, numbers, end in (
+        ("states", experience.states, n_states),
+        ("next_states", experience.next_states, n_states),
+        ("actions", experience.actions, n_candidates),
+    ):
+        if len(numbers) and (numbers.min() < 0 or numbers.max() >= end):
+            raise InputError(f"{name} must be numbers from 0 to {end - 1}")
+    low, high = experience.candidates[experience.states], experience.candidates[experience.states + 1]
+    if ((experience.actions < low) | (experience.actions >= high)).any():
+        raise InputError("actions must name a candidate of the transition's own state")
+    if len(experience.types) and experience.types.min() < 0:
+        raise InputError("types must not be negative")
+    n_objects = np.repeat(np.diff(experience.objects), np.diff(experience.candidates))
+    if ((experience.arguments < UNBOUND) | (experience.arguments >= n_objects[:, None])).any():
+        raise InputError("arguments must be positions of objects in their state, or -1 for none")
+    if np.isinf(experience.matrix).any():
+        raise InputError("matrix holds an infinite value; use NaN for undefined values")
+    for name in ("rewards", "durations", "episode_rewards", "episode_durations"):
+        if not np.isfinite(getattr(experience, name)).all():
+            raise InputError(f"{name} must be finite; check the rewards and durations of the world")

@@ -1,0 +1,67 @@
+"""Compiled inner loops of reinforcement learning."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.jit import kernel
+from relforest.trees.kernels import BEST_PATH, QueryWork, query_scene
+
+
+@kernel
+def segment_argmax(values: NDArray[np.float64], starts: NDArray[np.int64], out: NDArray[np.int64]) -> None:
+    """Write to ``out[i]`` the position in `values` of the largest of segment i, or -1 if it is empty.
+
+    Segment i is ``values[starts[i] : starts[i + 1]]``; the first of equal values wins.
+    """
+    for i in range(len(out)):
+        best = -1
+        for j in range(starts[i], starts[i + 1]):
+            if best < 0 or values[j] > values[best]:
+                best = j
+        out[i] = best
+
+
+class ForestArrays(NamedTuple):
+    """The trees of one action type end to end, and what their leaves add to the value of an action."""
+
+    nodes: NDArray[np.int64]  # packed nodes of all trees, links counted from the first tree's root
+    numbers: NDArray[np.float64]  # volumes of all trees
+    trees: NDArray[np.int64]  # (n_trees, 2): row of the root in `nodes`, row of the first leaf in `leaves`
+    leaves: NDArray[np.int64]  # (n_leaves, 2): where the leaf's entries in `added` begin, number of densities
+    added: NDArray[
+        np.float64
+    ]  # for each leaf a constant, then the weight of each density above it, root first
+    bias: float
+    sizes: tuple[int, int, int]  # of the buffers: variables, questions on a branch, dimensions
+
+
+@kernel
+def forest_values(
+    forest: ForestArrays,
+    matrix: NDArray[np.float64],
+    objects: NDArray[np.int64],
+    arguments: NDArray[np.int64],
+    work: QueryWork,
+    out: NDArray[np.float64],
+) -> None:
+    """Write the value of each action of one type in one state to `out` (m,).
+
+    `matrix` (n_rows, width) holds the attribute values, `objects` (n_objects,) the rows of the state's
+    objects, and `arguments` (m, arity) the rows bound by each action; `work` comes from `query_work` with the
+    forest's sizes.
+    """
+    for i in range(len(out)):
+        value = forest.bias
+        for tree in range(len(forest.trees)):
+            root, first_leaf = forest.trees[tree]
+            leaf = query_scene(forest.nodes, forest.numbers, root, matrix, objects, arguments[i], work)
+            start, n_densities = forest.leaves[first_leaf + leaf]
+            value += forest.added[start]
+            for j in range(n_densities):
+                value += forest.added[start + 1 + j] * math.exp(work.numbers[BEST_PATH, j])
+        out[i] = value

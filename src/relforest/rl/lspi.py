@@ -1,0 +1,132 @@
+"""Least-squares policy iteration on a fixed batch of experience (Palmer (2015), Algorithm 2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import Literal, final
+
+import numpy as np
+
+from relforest.rl.bellman import Lookahead, look_ahead
+from relforest.rl.lstdq import LSTDQ
+from relforest.rl.samples import Transitions
+from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.support.options import at_least, in_range
+
+Reason = Literal["converged", "cycle", "limit"]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LSPISettings:
+    """Options of policy iteration.
+
+    Parameters
+    ----------
+    epsilon : float
+        Stop when the weights change by less than this (Euclidean norm).
+    max_iterations : int
+        Stop after so many policies have been evaluated.
+    max_condition : float
+        Largest condition number of the matrix A of LSTDQ.
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    epsilon: float = 1e-6
+    max_iterations: int = 50
+    max_condition: float = 1e5
+
+    def __post_init__(self) -> None:
+        in_range("epsilon of LSPI", self.epsilon, 0.0, np.inf, open_low=True, open_high=True)
+        at_least("max_iterations of LSPI", self.max_iterations, 1)
+        in_range("max_condition of LSPI", self.max_condition, 1.0, np.inf, open_low=True, open_high=True)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class LSPIResult:
+    """A policy learned by LSPI.
+
+    Parameters
+    ----------
+    weights : tuple of (k_a,) float64
+        For each action type the weights of its features.
+    lookahead : Lookahead
+        Values, greedy actions and Bellman errors of these weights on the samples.
+    n_features : int
+        How many features are in use (have data), over all action types.
+    iterations : int
+        How many policies were evaluated.
+    reason : {"converged", "cycle", "limit"}
+        Why it stopped: the weights settled, a policy came back that had been evaluated before, or there were
+        too many iterations. In the last two cases the result is the policy with the smallest sum of squared
+        Bellman errors.
+    """
+
+    weights: tuple[FloatArray, ...]
+    lookahead: Lookahead
+    n_features: int
+    iterations: int
+    reason: Reason
+
+
+def lspi(
+    features: Sequence[FloatArray],
+    transitions: Transitions,
+    weights: Sequence[FloatArray],
+    *,
+    settings: LSPISettings | None = None,
+) -> LSPIResult:
+    """Learn the weights of a greedy policy.
+
+    Parameters
+    ----------
+    features : sequence of (m_a, k_a) float64
+        For each action type the features of its state-action pairs; trees are not queried here.
+    transitions : Transitions
+        At least one.
+    weights : sequence of (k_a,) float64
+        Where to begin: the greedy policy of these weights is evaluated first.
+    settings : LSPISettings, optional
+
+    References ---------- Palmer (2015), Algorithm 2.2; Lagoudakis and Parr (2003). The source does not say
+    what happens when policies alternate without end; keeping the one with the smallest residual is our
+    choice.
+    """
+    settings = settings or LSPISettings()
+    problem = LSTDQ(features, transitions, max_condition=settings.max_condition)
+    current = tuple(weights)
+    ahead = look_ahead(features, current, transitions)
+    best: tuple[tuple[FloatArray, ...], Lookahead] | None = None
+    seen: set[bytes] = set()
+    reason: Reason = "limit"
+    while len(seen) < settings.max_iterations:
+        policy = _fingerprint(ahead.chosen)
+        seen.add(policy)
+        improved = problem.solve(ahead.chosen)
+        change = _distance(improved, current)
+        current, ahead = improved, look_ahead(features, improved, transitions)
+        if best is None or ahead.squared_error < best[1].squared_error:
+            best = (current, ahead)
+        following = _fingerprint(ahead.chosen)
+        # The weights depend on the policy alone, so evaluating the same policy again would change nothing.
+        if change < settings.epsilon or following == policy:
+            return LSPIResult(current, ahead, problem.n_features, len(seen), "converged")
+        if following in seen:
+            reason = "cycle"
+            break
+    return LSPIResult(*(best or (current, ahead)), problem.n_features, len(seen), reason)
+
+
+def _fingerprint(chosen: IntArray) -> bytes:
+    return blake2b(chosen.tobytes(), digest_size=16).digest()
+
+
+def _distance(left: Sequence[FloatArray], right: Sequence[FloatArray]) -> float:
+    return float(np.sqrt(sum(float(np.sum((a - b) ** 2)) for a, b in zip(left, right, strict=True))))

@@ -1,0 +1,149 @@
+"""A learned policy as files: ``policy.json``, ``weights.npz`` and one JSON file per tree in ``trees/``.
+
+`describe` and `rebuild` are the JSON form of a value function whose trees lie in files of their own; a
+checkpoint holds the same description with the weights written out.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from relforest.rl.features import FeatureMode
+from relforest.rl.value import ValueFunction
+from relforest.scenes import Schema
+from relforest.scenes.arrays import FloatArray
+from relforest.smdp import ActionType
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.files import read_json, read_npz, write_json, write_npz
+from relforest.trees import Tree
+
+FORMAT: Final = "relforest-policy"
+VERSION: Final = 1
+POLICY: Final = "policy.json"
+WEIGHTS: Final = "weights.npz"
+TREES: Final = "trees"
+
+TreeNames = tuple[tuple[str, ...], ...]
+"""For each action type the file names of its trees."""
+
+
+def describe(value: ValueFunction, tree_names: TreeNames) -> dict[str, Any]:
+    """Return what a policy is, apart from its trees and weights, as plain JSON values."""
+    actions = [
+        {"name": kind.name, "parameters": list(kind.parameters), "weights": slug, "trees": list(names)}
+        for kind, slug, names in zip(value.action_types, slugs(value.action_types), tree_names, strict=True)
+    ]
+    return {"schema": value.schema.to_dict(), "features": value.features, "actions": actions}
+
+
+def rebuild(
+    document: Mapping[str, Any], weights: Mapping[str, FloatArray], folder: Path, origin: str
+) -> tuple[ValueFunction, TreeNames]:
+    """Build the value function that `describe` described.
+
+    Parameters
+    ----------
+    document : mapping
+        Holds what `describe` returned.
+    weights : mapping of str to (k_a,) float64
+        Weights by the name that the description gives them.
+    folder : path
+        Where the folder of the trees lies.
+    origin : str
+        Where the description comes from, for messages.
+
+    Raises
+    ------
+    ModelFormatError
+        If a part is missing or malformed, or the parts do not fit together.
+    """
+    try:
+        schema = Schema.from_dict(document["schema"])
+        actions = [dict(entry) for entry in document["actions"]]
+        kinds = tuple(ActionType(entry["name"], tuple(entry["parameters"])) for entry in actions)
+        names = tuple(tuple(map(_file_name, entry["trees"])) for entry in actions)
+        features: FeatureMode = document["features"]
+        vectors = tuple(weights[entry["weights"]] for entry in actions)
+        forests = tuple(tuple(_read_tree(folder / TREES / name) for name in own) for own in names)
+        return ValueFunction(schema, kinds, features, forests, vectors), names
+    except ModelFormatError:
+        raise
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ModelFormatError(f"{origin} does not describe a policy: {error!r}") from error
+
+
+def write_policy(
+    folder: str | os.PathLike[str], value: ValueFunction, tree_names: TreeNames, iteration: int
+) -> None:
+    """Write ``weights.npz`` and ``policy.json``; the trees must be there already (`write_tree`)."""
+    arrays = {"iteration": np.array(iteration)}
+    arrays |= dict(zip(slugs(value.action_types), value.weights, strict=True))
+    write_npz(Path(folder) / WEIGHTS, arrays)
+    header = {"format": FORMAT, "version": VERSION, "iteration": iteration}
+    write_json(Path(folder) / POLICY, header | describe(value, tree_names))
+
+
+def read_policy(folder: str | os.PathLike[str]) -> ValueFunction:
+    """Read the policy in a run folder; the experience and the checkpoint beside it are not needed.
+
+    Raises
+    ------
+    ModelFormatError
+        If a file is missing or malformed, or the files do not belong together.
+    """
+    root = Path(folder)
+    document = read_json(root / POLICY, format=FORMAT, version=VERSION)
+    actions = document.get("actions")
+    names = (
+        [entry.get("weights") for entry in actions if isinstance(entry, dict)]
+        if isinstance(actions, list)
+        else []
+    )
+    arrays = read_npz(root / WEIGHTS, ["iteration", *(str(name) for name in names)])
+    if arrays["iteration"].shape != () or arrays["iteration"] != document.get("iteration"):
+        raise ModelFormatError(
+            f"{root / POLICY} and {WEIGHTS} are of different iterations, as an interrupted run leaves them; "
+            "start the run again, which restores both"
+        )
+    return rebuild(document, arrays, root, str(root / POLICY))[0]
+
+
+def write_tree(folder: Path, name: str, tree: Tree) -> None:
+    """Write one tree to the folder of trees."""
+    write_json(folder / TREES / name, tree.to_dict())
+
+
+def tree_name(iteration: int, slug: str, number: int) -> str:
+    """Name the file of a tree, such as ``0001-left-1.json``: iteration, action type, count within both."""
+    return f"{iteration:04d}-{slug}-{number}.json"
+
+
+def slugs(action_types: Sequence[ActionType]) -> tuple[str, ...]:
+    """Return names of action types that are fit for file names and differ in any file system."""
+    plain = [re.sub(r"[^A-Za-z0-9_]+", "_", kind.name) for kind in action_types]
+    lower = [name.lower() for name in plain]
+    return tuple(
+        name if lower.count(name.lower()) == 1 and name != "iteration" else f"{name}-{number}"
+        for number, name in enumerate(plain)
+    )
+
+
+def _read_tree(path: Path) -> Tree:
+    document = read_json(path, format="relforest-tree", version=1)
+    try:
+        return Tree.from_dict(document)
+    except (ModelFormatError, InputError) as error:
+        raise ModelFormatError(f"{path} is no valid tree: {error}") from error
+
+
+def _file_name(name: object) -> str:
+    # A model from elsewhere must not make us read files outside its folder.
+    if not isinstance(name, str) or not re.fullmatch(r"\w[\w.-]*\.json", name):
+        raise ModelFormatError(f"{name!r} is no file name of a tree; expected one such as 0001-left-1.json")
+    return name

@@ -1,0 +1,163 @@
+"""Which experience each part of an iteration learns from, laid out so that trees are queried once per scene.
+
+LSPI learns from up to 100 000 transitions of all batches, labels come from the latest batch (Palmer (2015),
+section 7.2). Both refer to the same list of distinct state-action pairs per action type: a candidate action
+of a next state is usually also the action taken there, and it is one scene, not two.
+
+Letters: n transitions, c candidate actions of their next states, m_a distinct state-action pairs of action
+type a.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from relforest.rl.experience import BoolArray, Experience, action_scenes, concatenate
+from relforest.scenes import Scenes, Schema
+from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.support.rng import generator
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Transitions:
+    """Transitions whose state-action pairs are named by action type and row of that type's table.
+
+    Parameters
+    ----------
+    types, rows : (n,) int64
+        The pair (s, a) that was observed.
+    rewards : (n,) float64
+        Discounted reward inside the action.
+    discounts : (n,) float64
+        ``discount ** duration``, and 0 where nothing follows.
+    next_starts : (n + 1,) int64
+        The candidates of transition i are ``next_starts[i]`` to ``next_starts[i + 1]`` (exclusive); there are
+        none where the discount is 0.
+    next_types, next_rows : (c,) int64
+        The pairs (s', a') of those candidates.
+    """
+
+    types: IntArray
+    rows: IntArray
+    rewards: FloatArray
+    discounts: FloatArray
+    next_starts: IntArray
+    next_types: IntArray
+    next_rows: IntArray
+
+    def __len__(self) -> int:
+        """Return the number of transitions."""
+        return len(self.types)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """What one iteration of SMRF-RPI learns from.
+
+    Parameters
+    ----------
+    scenes : tuple of Scenes
+        For each action type its distinct state-action pairs (m_a scenes, arguments bound).
+    lspi : Transitions
+        The transitions that policies are learned from.
+    latest : Transitions
+        All transitions of the latest batch, which labels and trees come from.
+    """
+
+    scenes: tuple[Scenes, ...]
+    lspi: Transitions
+    latest: Transitions
+
+
+def draw_samples(
+    batches: Sequence[Experience],
+    schemas: Sequence[Schema],
+    *,
+    discount: float,
+    max_samples: int,
+    bootstrap_on_truncation: bool,
+    seed: np.random.SeedSequence,
+) -> Samples:
+    """Choose the transitions of one iteration.
+
+    Parameters
+    ----------
+    batches : sequence of Experience
+        All experience so far, the latest batch last.
+    schemas : sequence of Schema
+        For each action type the world's attributes with the parameters of that type.
+    discount : float
+        Discount factor per unit of duration.
+    max_samples : int
+        At most so many transitions go to LSPI, drawn without replacement from all batches.
+    bootstrap_on_truncation : bool
+        Whether the value of the state counts in which a limit of time cut an episode. The source does not
+        say; True treats the limit as an accident of the experiment, not as a part of the task.
+    seed : numpy.random.SeedSequence
+        The stream of this draw.
+
+    Returns
+    -------
+    Samples
+
+    References
+    ----------
+    Palmer (2015), section 7.2; the SMDP target of section 2.1.
+    """
+    pool = concatenate(batches)
+    chosen = np.arange(len(pool))
+    if len(pool) > max_samples:
+        chosen = np.sort(generator(seed).choice(len(pool), max_samples, replace=False))
+    latest = np.arange(len(pool) - len(batches[-1]), len(pool))
+    ends = pool.terminal if bootstrap_on_truncation else pool.terminal | pool.truncated
+    discounts = np.where(ends, 0.0, discount**pool.durations)
+    needed = _needed_candidates(pool, np.union1d(chosen, latest), discounts)
+    tables = [np.flatnonzero(needed & (pool.types == kind)) for kind in range(len(schemas))]
+    row_of = np.full(len(pool.types), -1)
+    for table in tables:
+        row_of[table] = np.arange(len(table))
+    return Samples(
+        tuple(action_scenes(pool, table, schema) for table, schema in zip(tables, schemas, strict=True)),
+        _transitions(pool, chosen, discounts, row_of),
+        _transitions(pool, latest, discounts, row_of),
+    )
+
+
+def _needed_candidates(pool: Experience, chosen: IntArray, discounts: FloatArray) -> BoolArray:
+    """Mark the candidates whose features the chosen transitions ask for; (c,) bool."""
+    needed = np.zeros(len(pool.types), dtype=np.bool_)
+    needed[pool.actions[chosen]] = True
+    needed[_following(pool, chosen[discounts[chosen] > 0.0])[1]] = True
+    return needed
+
+
+def _following(pool: Experience, chosen: IntArray) -> tuple[IntArray, IntArray]:
+    """Number of candidates after each chosen transition, and all of them in order."""
+    states = pool.next_states[chosen]
+    starts = pool.candidates[states]
+    counts = pool.candidates[states + 1] - starts
+    ends = np.cumsum(counts)
+    total = int(ends[-1]) if len(ends) else 0
+    return counts, np.arange(total) + np.repeat(starts - (ends - counts), counts)
+
+
+def _transitions(pool: Experience, chosen: IntArray, discounts: FloatArray, row_of: IntArray) -> Transitions:
+    bootstrapped = discounts[chosen] > 0.0
+    counts = np.zeros(len(chosen), dtype=np.int64)
+    counts[bootstrapped], following = _following(pool, chosen[bootstrapped])
+    actions = pool.actions[chosen]
+    return Transitions(
+        types=pool.types[actions],
+        rows=row_of[actions],
+        rewards=pool.rewards[chosen],
+        discounts=discounts[chosen],
+        next_starts=np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)]),
+        next_types=pool.types[following],
+        next_rows=row_of[following],
+    )

@@ -1,0 +1,121 @@
+"""The options of SMRF-RPI, checked once, and their JSON form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from typing import TYPE_CHECKING, Any, TypeVar, final, get_type_hints
+
+from relforest.rl.features import FEATURE_MODES, FeatureMode
+from relforest.rl.lspi import LSPISettings
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.options import at_least, in_range, one_of
+from relforest.trees.growth import TreeSettings
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Options = TypeVar("Options", bound="DataclassInstance")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RPISettings:
+    """Options of SMRF-RPI; the defaults are those of Palmer (2015), section 7.2.
+
+    Parameters
+    ----------
+    features : {"densities+bits", "bits", "probability"}
+        What a tree contributes to the features (section 6.4).
+    epsilon : float
+        Probability of a uniformly random action in training experience after the first iteration, 0 to 1. The
+        source gives no value.
+    trees_per_label : int
+        Candidate trees per action type and round learned on the labels, and as many on the negated labels.
+    max_scenes : int
+        A candidate tree sees at most so many scenes.
+    max_samples : int
+        LSPI sees at most so many transitions.
+    alpha : float
+        Significance level of the test that a tree must pass, divided by the number of candidates
+        (Bonferroni), above 0 and below 1.
+    max_rounds : int
+        Most rounds of representation and policy learning per iteration. The source has no limit.
+    bootstrap_on_truncation : bool
+        Whether the value of a state counts in which a limit of time cut the episode. The source does not say.
+    wrapper : bool
+        Whether candidates are tested by learning a policy with them. False keeps, in every round, the tree
+        whose own learning was most significant, to show what the test is good for (section 7.3.2).
+    lspi : LSPISettings
+    tree : TreeSettings
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    features: FeatureMode = "densities+bits"
+    epsilon: float = 0.1
+    trees_per_label: int = 2
+    max_scenes: int = 500
+    max_samples: int = 100_000
+    alpha: float = 0.05
+    max_rounds: int = 20
+    bootstrap_on_truncation: bool = True
+    wrapper: bool = True
+    lspi: LSPISettings = field(default_factory=LSPISettings)
+    tree: TreeSettings = field(default_factory=TreeSettings)
+
+    def __post_init__(self) -> None:
+        one_of("features", self.features, FEATURE_MODES)
+        in_range("epsilon", self.epsilon, 0.0, 1.0)
+        at_least("trees_per_label", self.trees_per_label, 1)
+        at_least("max_scenes", self.max_scenes, 2)
+        at_least("max_samples", self.max_samples, 1)
+        in_range("alpha", self.alpha, 0.0, 1.0, open_low=True, open_high=True)
+        at_least("max_rounds", self.max_rounds, 1)
+        for name in ("bootstrap_on_truncation", "wrapper"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(f"{name} must be True or False, got {getattr(self, name)!r}")
+        for name, kind in (("lspi", LSPISettings), ("tree", TreeSettings)):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"{name} must be {kind.__name__}(...), got {getattr(self, name)!r}")
+
+    @property
+    def n_candidates(self) -> int:
+        """Candidate trees that are attempted per action type and round."""
+        return 2 * self.trees_per_label
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the options as plain JSON values."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, document: object) -> RPISettings:
+        """Read what `to_dict` wrote.
+
+        Raises
+        ------
+        ModelFormatError
+            If an option is missing, unknown or out of its range.
+        """
+        return _read(cls, document)
+
+
+def _read(kind: type[Options], document: object) -> Options:
+    """Build a dataclass of options, and those nested in it, from plain values."""
+    names = {entry.name for entry in fields(kind)}
+    if not isinstance(document, Mapping) or set(document) != names:
+        raise ModelFormatError(
+            f"malformed {kind.__name__}: expected {', '.join(sorted(names))}, got {document!r:.200}"
+        )
+    hints = get_type_hints(kind)
+    values = {
+        name: _read(hints[name], value) if is_dataclass(hints[name]) else value
+        for name, value in document.items()
+    }
+    try:
+        return kind(**values)
+    except (InputError, TypeError) as error:
+        raise ModelFormatError(f"malformed {kind.__name__}: {error}") from error

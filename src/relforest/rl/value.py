@@ -1,0 +1,181 @@
+"""The action-value function of an agent: a forest and a weight vector per action type.
+
+`ValueFunction.values` is what policies call at every step of an episode. It does not build features: the
+forest of an action type is packed once into a few arrays, and a kernel adds up the weights of the leaves that
+the trees arrive at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from relforest.rl.features import FEATURE_MODES, FeatureMode, forest_features, leaf_widths, width
+from relforest.rl.kernels import ForestArrays, forest_values
+from relforest.scenes import Scenes, Schema
+from relforest.scenes.arrays import FloatArray
+from relforest.smdp import ActionType, Decision
+from relforest.support.errors import InputError
+from relforest.support.options import one_of
+from relforest.trees import Tree
+from relforest.trees.kernels import query_work
+from relforest.trees.packing import CHILDREN, VOLUME
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class ValueFunction:
+    """Q(s, a), linear in the features of the trees of a's action type.
+
+    Parameters
+    ----------
+    schema : Schema
+        The world's attributes, without parameters.
+    action_types : tuple of ActionType
+        Those of the world.
+    features : {"densities+bits", "bits", "probability"}
+        Which features the trees contribute.
+    forests : tuple of tuple of Tree
+        The trees of each action type; their schema has the parameters of that type.
+    weights : tuple of (k_a,) float64
+        The weights of each action type: the bias, then those of each tree's columns.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit together, or a weight is not finite.
+
+    References
+    ----------
+    Palmer (2015), sections 2.1.2 and 6.4.
+    """
+
+    schema: Schema
+    action_types: tuple[ActionType, ...]
+    features: FeatureMode
+    forests: tuple[tuple[Tree, ...], ...]
+    weights: tuple[FloatArray, ...]
+    _packed: tuple[ForestArrays, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        one_of("features", self.features, FEATURE_MODES)
+        if not len(self.forests) == len(self.weights) == len(self.action_types):
+            raise InputError(
+                f"each of the {len(self.action_types)} action types needs a forest and a weight vector, "
+                f"got {len(self.forests)} and {len(self.weights)}"
+            )
+        for kind, schema in enumerate(action_schemas(self.schema, self.action_types)):
+            self._check_forest(kind, schema)
+        packed = [
+            _pack_forest(trees, weights, self.features)
+            for trees, weights in zip(self.forests, self.weights, strict=True)
+        ]
+        object.__setattr__(self, "_packed", tuple(packed))
+
+    @classmethod
+    def zero(cls, schema: Schema, action_types: Sequence[ActionType], features: FeatureMode) -> ValueFunction:
+        """Return the value function before learning: no trees, and 0 for every action."""
+        none: tuple[Tree, ...] = ()
+        kinds = tuple(action_types)
+        return cls(schema, kinds, features, (none,) * len(kinds), tuple(np.zeros(1) for _ in kinds))
+
+    @property
+    def n_trees(self) -> int:
+        """Number of trees over all action types."""
+        return sum(len(trees) for trees in self.forests)
+
+    @property
+    def n_leaves(self) -> int:
+        """Number of leaves of all trees."""
+        return sum(tree.n_leaves for trees in self.forests for tree in trees)
+
+    def values(self, decision: Decision) -> FloatArray:
+        """Return Q of each available action, shape (n_actions,).
+
+        The decision must come from a world with this schema and these action types; it is not checked again
+        here.
+        """
+        values = np.empty(len(decision))
+        rows = np.arange(len(decision.objects))
+        for kind, (forest, action_type) in enumerate(zip(self._packed, self.action_types, strict=True)):
+            chosen = np.flatnonzero(decision.types == kind)
+            if not len(chosen):
+                continue
+            out = np.empty(len(chosen))
+            arguments = decision.arguments[chosen, : action_type.arity]
+            forest_values(forest, decision.objects, rows, arguments, query_work(*forest.sizes), out)
+            values[chosen] = out
+        return values
+
+    def scene_values(self, kind: int, scenes: Scenes) -> FloatArray:
+        """Return Q of each scene of one action type, shape (n_scenes,), by way of the features."""
+        values: FloatArray = forest_features(self.forests[kind], scenes, self.features) @ self.weights[kind]
+        return values
+
+    def _check_forest(self, kind: int, schema: Schema) -> None:
+        trees, weights, name = self.forests[kind], self.weights[kind], self.action_types[kind].name
+        if any(tree.schema != schema for tree in trees):
+            raise InputError(
+                f"a tree of action type {name!r} is for scenes with another schema than {schema}"
+            )
+        columns = 1 + sum(width(tree, self.features) for tree in trees)
+        if weights.shape != (columns,) or not np.isfinite(weights).all():
+            raise InputError(
+                f"action type {name!r} needs {columns} finite weights for its bias and {len(trees)} trees, "
+                f"got the shape {weights.shape}"
+            )
+
+
+def action_schemas(schema: Schema, action_types: Sequence[ActionType]) -> tuple[Schema, ...]:
+    """Return for each action type the schema of its scenes, with the parameters of the type."""
+    return tuple(Schema(schema.attributes, action_type.parameters) for action_type in action_types)
+
+
+def _pack_forest(trees: Sequence[Tree], weights: FloatArray, mode: FeatureMode) -> ForestArrays:
+    """Lay the trees of one action type end to end, with what each of their leaves adds to the value."""
+    nodes, numbers, added = [], [np.empty(0)], [np.empty(0)]
+    roots: list[tuple[int, int]] = []
+    leaves: list[tuple[int, int]] = []
+    node_start, number_start, added_start, column = 0, 0, 0, 1
+    for tree in trees:
+        packed = tree.packed
+        table = packed.nodes.copy()
+        links = table[:, CHILDREN : CHILDREN + 3]
+        links[links >= 0] += node_start
+        table[table[:, VOLUME] >= 0, VOLUME] += number_start
+        nodes.append(table)
+        numbers.append(packed.numbers)
+        roots.append((node_start, len(leaves)))
+        for leaf in _leaf_weights(tree, weights[column : column + width(tree, mode)], mode):
+            leaves.append((added_start, len(leaf) - 1))
+            added.append(leaf)
+            added_start += len(leaf)
+        node_start, number_start, column = (
+            node_start + len(table),
+            number_start + len(packed.numbers),
+            column + width(tree, mode),
+        )
+    return ForestArrays(
+        np.concatenate(nodes) if nodes else np.empty((0, 0), np.int64),
+        np.concatenate(numbers),
+        np.array(roots, dtype=np.int64).reshape(-1, 2),
+        np.array(leaves, dtype=np.int64).reshape(-1, 2),
+        np.concatenate(added),
+        float(weights[0]),
+        (
+            max((tree.packed.n_variables for tree in trees), default=0),
+            max((tree.packed.n_asked for tree in trees), default=0),
+            max((tree.packed.n_dims for tree in trees), default=0),
+        ),
+    )
+
+
+def _leaf_weights(tree: Tree, weights: FloatArray, mode: FeatureMode) -> list[FloatArray]:
+    """For each leaf what it adds when it decides a scene: a constant, then the weights of its densities."""
+    if mode == "probability":
+        return list((tree.leaf_probabilities * weights[0])[:, None])
+    ends = np.cumsum(leaf_widths(tree, mode))
+    return np.split(weights, ends[:-1])

@@ -1,0 +1,148 @@
+"""The arrays a batch of scenes is made of, and the checks they pass once."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from relforest.scenes.angles import wrap
+from relforest.scenes.ids import IdArray, as_ids, plain
+from relforest.scenes.schema import Schema
+from relforest.support.errors import InputError
+
+__all__ = ["FloatArray", "IntArray", "SceneArrays", "check_arrays", "compact"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class SceneArrays(NamedTuple):
+    """The eight fields of `Scenes`, in the order of its constructor; shapes are documented there."""
+
+    schema: Schema
+    matrix: FloatArray  # (n_rows, schema.width)
+    rows: IntArray  # (n_refs,)
+    starts: IntArray  # (n_scenes,)
+    counts: IntArray  # (n_scenes,)
+    arguments: IntArray  # (n_scenes, k)
+    scene_ids: IdArray  # (n_scenes,)
+    object_ids: IdArray  # (n_rows,)
+
+
+def check_arrays(parts: SceneArrays) -> SceneArrays:
+    """Return the arrays with the agreed types, read-only, after vectorised checks of shapes and values.
+
+    Raises
+    ------
+    InputError
+        If a shape or type is wrong, a row number points outside the matrix, or a value is infinite.
+    """
+    matrix = _floats(parts.schema, parts.matrix)
+    object_ids = as_ids("object_ids", parts.object_ids)
+    if len(object_ids) != len(matrix):
+        raise InputError(f"object_ids must have one entry per row of the matrix, got {len(object_ids)}")
+    _check_finite(parts.schema, matrix, object_ids)
+    matrix = _with_wrapped_angles(parts.schema, matrix).view()
+    matrix.flags.writeable = False
+    rows, starts, counts = (_integers(name, getattr(parts, name), 1) for name in ("rows", "starts", "counts"))
+    if len(starts) != len(counts):
+        raise InputError(
+            f"starts and counts must have one entry per scene, got {len(starts)} and {len(counts)}"
+        )
+    if len(starts) and (counts.min() < 0 or starts.min() < 0 or (counts > len(rows) - starts).any()):
+        raise InputError(f"starts and counts must lie inside the {len(rows)} entries of rows")
+    if len(rows) and (rows.min() < 0 or rows.max() >= len(matrix)):
+        raise InputError(f"rows must be row numbers of the matrix, 0 to {len(matrix) - 1}")
+    arguments = _integers("arguments", parts.arguments, 2)
+    expected = (len(starts), parts.schema.n_parameters)
+    if arguments.shape != expected:
+        raise InputError(
+            f"arguments must have shape {expected}, a row per scene and a column per parameter of the "
+            f"schema, got {arguments.shape}"
+        )
+    if arguments.size and (arguments.min() < -1 or arguments.max() >= len(matrix)):
+        raise InputError(
+            f"arguments must be row numbers of the matrix, 0 to {len(matrix) - 1}, or -1 for none"
+        )
+    scene_ids = as_ids("scene_ids", parts.scene_ids)
+    if len(scene_ids) != len(starts):
+        raise InputError(f"scene_ids must have one entry per scene, {len(starts)}, got {len(scene_ids)}")
+    return SceneArrays(parts.schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+
+
+def compact(parts: SceneArrays) -> SceneArrays:
+    """Drop object rows that no scene contains and lay out ``rows`` scene after scene.
+
+    The scenes are the same afterwards; rows that several scenes share stay shared, and rows keep their order.
+    """
+    rows = gather(parts.rows, parts.starts, parts.counts)
+    bound = parts.arguments[parts.arguments >= 0]
+    kept = np.zeros(len(parts.matrix), dtype=np.bool_)
+    kept[rows] = True
+    kept[bound] = True
+    renumbered = np.cumsum(kept) - 1
+    arguments = (
+        np.where(parts.arguments >= 0, renumbered[parts.arguments], -1) if bound.size else parts.arguments
+    )
+    return parts._replace(
+        matrix=parts.matrix[kept],
+        rows=renumbered[rows],
+        starts=np.cumsum(parts.counts) - parts.counts,
+        arguments=arguments,
+        object_ids=parts.object_ids[kept],
+    )
+
+
+def gather(rows: IntArray, starts: IntArray, counts: IntArray) -> IntArray:
+    """Return the object rows of all scenes, scene after scene, shape (counts.sum(),)."""
+    ends = np.cumsum(counts)
+    within = np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
+    gathered: IntArray = rows[np.repeat(starts, counts) + within]
+    return gathered
+
+
+def _floats(schema: Schema, values: ArrayLike) -> FloatArray:
+    try:
+        matrix = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the matrix of scenes must hold numbers: {error}") from error
+    if matrix.ndim != 2 or matrix.shape[1] != schema.width:
+        raise InputError(
+            f"the matrix must have shape (n_rows, {schema.width}), the columns of "
+            f"{', '.join(schema.names)}, got {matrix.shape}"
+        )
+    return matrix
+
+
+def _check_finite(schema: Schema, matrix: FloatArray, object_ids: IdArray) -> None:
+    infinite = np.isinf(matrix)
+    if infinite.any():
+        row, column = np.argwhere(infinite)[0]
+        name = next(name for name in schema.names if column < schema.columns(name).stop)
+        raise InputError(
+            f"object {plain(object_ids[row])!r} (row {row}) has an infinite {name}: use NaN where a value "
+            "is undefined"
+        )
+
+
+def _with_wrapped_angles(schema: Schema, matrix: FloatArray) -> FloatArray:
+    """Return the matrix with angles in (-pi, pi], copied only if a value changes."""
+    for attribute in schema.attributes:
+        angles = matrix[:, schema.columns(attribute.name)]
+        if attribute.kind == "angle" and ((angles <= -np.pi) | (angles > np.pi)).any():
+            matrix = matrix.copy()
+            matrix[:, schema.columns(attribute.name)] = wrap(angles)
+    return matrix
+
+
+def _integers(name: str, values: ArrayLike, ndim: int) -> IntArray:
+    array = np.asarray(values)
+    if array.ndim != ndim:
+        raise InputError(f"{name} must have {ndim} dimension{'s'[: ndim - 1]}, got the shape {array.shape}")
+    if array.dtype.kind not in "iu" and array.size:
+        raise InputError(f"{name} must be integers, got {array.dtype}")
+    view = np.ascontiguousarray(array, dtype=np.int64).view()
+    view.flags.writeable = False
+    return view

@@ -1,0 +1,400 @@
+"""`Scenes`: a columnar, immutable batch of scenes that may share their objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from types import EllipsisType
+from typing import Any, NoReturn, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arrays, compact
+from relforest.scenes.derived import add_attribute
+from relforest.scenes.frames import AttributeColumns, arrays_from_frame
+from relforest.scenes.ids import IdArray
+from relforest.scenes.padded import arrays_from_padded
+from relforest.scenes.parquet import arrays_from_table, is_own, to_table, write_table
+from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
+from relforest.scenes.schema import Attribute, Schema
+from relforest.scenes.tables import read_parquet
+from relforest.support.errors import InputError
+
+__all__ = ["Scenes"]
+
+_Key = int | np.integer | slice | ArrayLike
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
+class Scenes:
+    """A batch of scenes, each a set of objects with the attributes of one schema.
+
+    Usually made by `from_frame`, `from_dicts`, `from_parquet` or `from_padded`; the constructor is the cheap
+    path for code that already has the arrays. It checks shapes, types and bounds and does not copy: leave the
+    arrays alone afterwards.
+
+    Parameters
+    ----------
+    schema : Schema
+        What the columns of ``matrix`` and ``arguments`` mean.
+    matrix : (n_rows, schema.width) float array
+        One row per object; NaN where undefined. Angles are brought to (-pi, pi].
+    rows : (n_refs,) int array
+        Object rows, scene after scene. Several scenes may contain the same row.
+    starts, counts : (n_scenes,) int arrays
+        Scene ``i`` contains the objects ``rows[starts[i] : starts[i] + counts[i]]``.
+    arguments : (n_scenes, k) int array, optional
+        Object rows bound to the parameters of the schema, -1 = none. May be left out if ``k`` is 0.
+    scene_ids : (n_scenes,) array, optional
+        Integers or strings. Default: 0, 1, 2, ...
+    object_ids : (n_rows,) array, optional
+        Integers or strings, different within a scene. Default: the row numbers.
+
+    Raises
+    ------
+    InputError
+        If a shape or type is wrong, a row number lies outside the matrix, or a value is infinite.
+
+    Notes
+    -----
+    ``len``, ``shape`` and indexing by integers, masks and slices follow the rules of scikit-learn for an
+    array of samples, so that cross-validation and train-test splits accept scenes.
+    """
+
+    schema: Schema
+    matrix: FloatArray
+    rows: IntArray
+    starts: IntArray
+    counts: IntArray
+    arguments: IntArray
+    scene_ids: IdArray
+    object_ids: IdArray
+
+    def __init__(
+        self,
+        schema: Schema,
+        matrix: FloatArray,
+        rows: IntArray,
+        starts: IntArray,
+        counts: IntArray,
+        arguments: IntArray | None = None,
+        scene_ids: IdArray | None = None,
+        object_ids: IdArray | None = None,
+    ) -> None:
+        if arguments is None:
+            arguments = np.empty((len(starts), 0), dtype=np.int64)
+        if scene_ids is None:
+            scene_ids = np.arange(len(starts))
+        if object_ids is None:
+            object_ids = np.arange(len(matrix))
+        parts = SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+        _fill(self, check_arrays(parts))
+
+    def __reduce__(self) -> tuple[type[Scenes], tuple[object, ...]]:
+        """Copy and pickle through the constructor, so that copies are checked and read-only too."""
+        return Scenes, tuple(self.parts)
+
+    @property
+    def parts(self) -> SceneArrays:
+        """The eight arrays, in the order of the constructor."""
+        return SceneArrays(
+            self.schema,
+            self.matrix,
+            self.rows,
+            self.starts,
+            self.counts,
+            self.arguments,
+            self.scene_ids,
+            self.object_ids,
+        )
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """Attribute name -> (n_rows, dim) view of ``matrix``."""
+        return {name: self.matrix[:, self.schema.columns(name)] for name in self.schema.names}
+
+    @property
+    def shape(self) -> tuple[int]:
+        """``(n_scenes,)``."""
+        return (len(self),)
+
+    def __len__(self) -> int:
+        """Return the number of scenes."""
+        return len(self.starts)
+
+    def __repr__(self) -> str:
+        """Return counts, attributes and arguments on one line."""
+        low, high = (int(self.counts.min()), int(self.counts.max())) if len(self) else (0, 0)
+        size = f"{low} objects" if low == high else f"{low} to {high} objects"
+        size = "no objects" if high == 0 else size if len(self) == 1 else f"{size} each"
+        attributes = ", ".join(
+            f"{attribute.name} ({'angle' if attribute.kind == 'angle' else attribute.dim})"
+            for attribute in self.schema.attributes
+        )
+        arguments = f"; arguments {', '.join(self.schema.parameters)}" if self.schema.parameters else ""
+        scenes = "1 scene" if len(self) == 1 else f"{len(self)} scenes"
+        return f"Scenes({scenes}, {size}; attributes {attributes}{arguments})"
+
+    def objects(self, scene: int) -> IntArray:
+        """Return the positions in ``matrix`` of the objects of one scene, shape (counts[scene],)."""
+        start = self.starts[scene]
+        return self.rows[start : start + self.counts[scene]]
+
+    def take(self, indices: ArrayLike) -> Scenes:
+        """Return the scenes at the given positions, in that order; a position may repeat.
+
+        The object rows are shared with this batch, not copied.
+
+        Parameters
+        ----------
+        indices : (m,) int array or (n_scenes,) bool array
+            Positions (negative ones count from the end), or a mask.
+
+        Raises
+        ------
+        IndexError
+            If a position does not exist, or the mask has another length.
+        """
+        chosen = self._positions(indices)
+        scenes: Scenes = object.__new__(Scenes)
+        _fill(
+            scenes,
+            self.parts._replace(
+                starts=self.starts[chosen],
+                counts=self.counts[chosen],
+                arguments=self.arguments[chosen],
+                scene_ids=self.scene_ids[chosen],
+            ),
+        )
+        return scenes
+
+    def __getitem__(self, key: _Key | tuple[_Key, EllipsisType]) -> Scenes:
+        """Return the scene or scenes at ``key``, always as `Scenes`; see `take`."""
+        if isinstance(key, tuple) and len(key) == 2 and key[1] is Ellipsis:
+            key = key[0]
+        if isinstance(key, slice):
+            return self.take(np.arange(len(self))[key])
+        return self.take(np.atleast_1d(np.asarray(key)))
+
+    def __iter__(self) -> Iterator[Scenes]:
+        """Go through the scenes one by one, each as `Scenes` of length 1."""
+        return (self.take(np.array([position])) for position in range(len(self)))
+
+    def __array__(self, dtype: object = None, copy: object = None) -> NoReturn:
+        """Refuse to become an array: NumPy would unpack the scenes without end."""
+        raise TypeError(
+            "Scenes cannot become one array: use scenes.matrix, scenes.values[name] or scenes.take"
+        )
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: object,
+        *,
+        scene: str,
+        object: str | None = None,  # noqa: A002 - reads well where it is called
+        attributes: AttributeColumns,
+        arguments: Sequence[str] = (),
+    ) -> Scenes:
+        """Make scenes from a long table with one row per object.
+
+        Parameters
+        ----------
+        frame : pandas, polars or pyarrow table
+            Any eager table that narwhals knows. Rows of a scene may be scattered.
+        scene : str
+            Column of scene ids, integers or strings. Scenes stand in order of first appearance.
+        object : str, optional
+            Column of object ids, integers or strings, different within a scene. A row with a null id stands
+            for a scene without objects. Default: objects are numbered within their scene.
+        attributes : mapping of str or Attribute to str or sequence of str
+            The column or columns of each attribute. A plain name gets the defaults of `Attribute` with one
+            dimension per column. Nulls and NaN are undefined components; one of them makes the attribute
+            undefined for questions. Angles are brought to (-pi, pi].
+        arguments : sequence of str
+            Columns that hold the id of one of the scene's objects, or null for none, constant within a scene.
+            They become the parameters of the schema.
+
+        Raises
+        ------
+        InputError
+            If columns are missing or hold anything but numbers and ids, ids are repeated, an argument differs
+            within a scene or is none of its objects, or the table is empty. The message names scene, object
+            and column.
+
+        Examples
+        --------
+        >>> import pandas as pd
+        >>> frame = pd.DataFrame({"pass": [7, 7, 9], "player": ["a", "b", "a"], "x": [0.0, 1.0, 2.0]})
+        >>> Scenes.from_frame(frame, scene="pass", object="player", attributes={"abscissa": "x"})
+        Scenes(2 scenes, 1 to 2 objects each; attributes abscissa (1))
+        """
+        return cls(
+            *arrays_from_frame(
+                frame, scene=scene, object_column=object, attributes=attributes, arguments=arguments
+            )
+        )
+
+    @classmethod
+    def from_dicts(cls, records: Iterable[Mapping[str, Any]], schema: Schema | None = None) -> Scenes:
+        """Make scenes from one dictionary per scene.
+
+        Parameters
+        ----------
+        records : iterable of mappings
+            ``{"id": 7, "objects": [{"id": "a", "location": [0.0, 1.0]}, ...], "arguments": {"passer":
+            "a"}}``. The ids may be left out everywhere (scenes and objects are then numbered from 0), and so
+            may ``arguments``. An attribute that is missing or None is undefined, as is a component that is
+            None.
+        schema : Schema, optional
+            Default: attributes and arguments in order of first appearance, dimensions from the values.
+
+        Raises
+        ------
+        InputError
+            If a record does not have this form or does not fit the schema; the message names scene, object
+            and attribute.
+        """
+        return cls(*arrays_from_dicts(records, schema))
+
+    @classmethod
+    def from_padded(
+        cls,
+        observation: Mapping[str, ArrayLike],
+        *,
+        schema: Schema | None = None,
+        mask: str = "mask",
+        arguments: str = "arguments",
+    ) -> Scenes:
+        """Make scenes from padded arrays, as Gymnasium's `Dict` observations hold them.
+
+        Parameters
+        ----------
+        observation : mapping of str to array
+            The mask, (n_scenes, n_slots), tells which slots hold an object; each attribute is an array of
+            shape (n_scenes, n_slots) or (n_scenes, n_slots, dim). All without the first axis for a single
+            scene.
+        schema : Schema, optional
+            Default: one attribute for each array, with the defaults of `Attribute`.
+        mask : str
+            Name of the mask.
+        arguments : str
+            Name of the integer array (n_scenes, k) of slots bound to the parameters of ``schema``, -1 = none.
+
+        Raises
+        ------
+        InputError
+            If shapes do not agree, an array is missing or unknown, or an argument is an empty slot.
+
+        Notes
+        -----
+        Objects have their slot as id; what empty slots hold does not matter.
+        """
+        return cls(*arrays_from_padded(observation, schema=schema, mask=mask, arguments=arguments))
+
+    @classmethod
+    def from_parquet(
+        cls,
+        path: str | PathLike[str],
+        *,
+        scene: str | None = None,
+        object: str | None = None,  # noqa: A002 - reads well where it is called
+        attributes: AttributeColumns | None = None,
+        arguments: Sequence[str] = (),
+    ) -> Scenes:
+        """Read scenes from a Parquet file.
+
+        Parameters
+        ----------
+        path : path
+            A file written by `to_parquet`, which needs no keywords, or any long table.
+        scene, object, attributes, arguments
+            As for `from_frame`.
+
+        Raises
+        ------
+        InputError
+            If the file is missing or damaged, or keywords are missing; and as for `from_frame`.
+        ModelFormatError
+            If the file was written by `to_parquet` of a newer version, or changed since.
+        """
+        table = read_parquet(path)
+        if scene is None and object is None and attributes is None and not arguments and is_own(table):
+            return cls(*arrays_from_table(table, str(path)))
+        if scene is None or attributes is None:
+            raise InputError(
+                f"{path} was not written by Scenes.to_parquet, or keywords were given: name its columns "
+                "with scene= and attributes= (and object=, arguments=) as for from_frame"
+            )
+        return cls.from_frame(table, scene=scene, object=object, attributes=attributes, arguments=arguments)
+
+    def to_parquet(self, path: str | PathLike[str]) -> None:
+        """Write the scenes to a Parquet file, whole or not at all.
+
+        The file is a long table (see `from_frame`) that other tools can read; `from_parquet` brings back the
+        same scenes, ids and shared objects, as `compact` would give them.
+
+        Raises
+        ------
+        InputError
+            If ids within a scene are not different, or an argument is bound to an object of another scene.
+        """
+        write_table(path, to_table(self.parts))
+
+    def to_dicts(self) -> list[dict[str, Any]]:
+        """Return one dictionary of plain JSON values per scene, as `from_dicts` reads them."""
+        return arrays_to_dicts(self.parts)
+
+    def derive(
+        self, attribute: str | Attribute, function: Callable[..., ArrayLike], *, of: str | Sequence[str]
+    ) -> Scenes:
+        """Return the scenes with one more attribute, computed from others.
+
+        Parameters
+        ----------
+        attribute : str or Attribute
+            The new attribute; a plain name gets the defaults of `Attribute`.
+        function : callable
+            Given one (n_rows, dim) array per name in ``of``, returns (n_rows,) or (n_rows, d) numbers, NaN
+            where undefined; `relforest.scenes.extent_ratio` is an example.
+        of : str or sequence of str
+            The attributes that the function is given.
+
+        Raises
+        ------
+        InputError
+            If the name is taken, a source is unknown, or the result has the wrong shape or infinite values.
+        """
+        return Scenes(*add_attribute(self.parts, attribute, function, of))
+
+    def compact(self) -> Scenes:
+        """Return the same scenes without the object rows that none of them contains (`take` keeps those)."""
+        return Scenes(*compact(self.parts))
+
+    def _positions(self, indices: ArrayLike) -> IntArray:
+        array = np.asarray(indices)
+        if array.ndim != 1 or (array.dtype.kind not in "iub" and array.size):
+            raise IndexError(
+                f"scenes are indexed by a 1-D array of integers or a mask, got {array.dtype} {array.shape}"
+            )
+        if array.dtype.kind == "b":
+            if len(array) != len(self):
+                raise IndexError(f"the mask has {len(array)} entries for {len(self)} scenes")
+            return np.flatnonzero(array)
+        positions = array.astype(np.int64)
+        if len(positions) and (positions.min() < -len(self) or positions.max() >= len(self)):
+            raise IndexError(
+                f"scene positions must lie in 0 to {len(self) - 1} (or be negative), got {array!r:.100}"
+            )
+        return positions
+
+
+def _fill(scenes: Scenes, parts: SceneArrays) -> None:
+    """Set the fields of a frozen instance and make its arrays read-only."""
+    for name, value in zip(SceneArrays._fields, parts, strict=True):
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+        object.__setattr__(scenes, name, value)

@@ -1,0 +1,212 @@
+"""Scenes from long data frames: one row per object, any library that narwhals knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, cast, final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays
+from relforest.scenes.arrow import ArrowArray, is_numeric, is_text, to_codes
+from relforest.scenes.columns import (
+    Codes,
+    Frame,
+    Locate,
+    arrow_column,
+    encode,
+    id_column,
+    number_column,
+    open_frame,
+)
+from relforest.scenes.ids import plain
+from relforest.scenes.lookup import bind_arguments, index_objects
+from relforest.scenes.schema import Attribute, Schema
+from relforest.support.errors import InputError
+
+__all__ = ["AttributeColumns", "arrays_from_frame", "scene_values"]
+
+AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Objects:
+    """The rows of a table that are objects, scene after scene."""
+
+    rows: IntArray  # (n_objects,) row numbers in the table
+    scenes: IntArray  # (n_objects,) scene codes, ascending
+    counts: IntArray  # (n_scenes,)
+    starts: IntArray  # (n_scenes,)
+    codes: Codes  # identifiers
+
+
+def arrays_from_frame(
+    frame: object,
+    *,
+    scene: str,
+    object_column: str | None,
+    attributes: AttributeColumns,
+    arguments: Sequence[str],
+) -> SceneArrays:
+    """Read scenes from a long table; see `Scenes.from_frame`."""
+    layout = _attribute_layout(attributes)
+    parameters = _parameter_names(arguments, object_column)
+    schema = Schema([attribute for attribute, _ in layout], parameters)
+    named = [scene, *([] if object_column is None else [object_column]), *parameters]
+    table = open_frame(frame, [*named, *(name for _, names in layout for name in names)])
+    scenes = _scene_codes(table, scene)
+    object_ids = None if object_column is None else id_column(table, object_column)
+    locate = _locator(scenes, object_ids)
+    matrix = np.column_stack([number_column(table, name, locate) for _, names in layout for name in names])
+    objects = _group(scenes, object_ids, matrix)
+    index = index_objects(scenes.ids, objects.scenes, objects.codes)
+    bound = [
+        bind_arguments(index, parameter, _constant_values(id_column(table, parameter), scenes, parameter))
+        for parameter in parameters
+    ]
+    return SceneArrays(
+        schema,
+        matrix[objects.rows],
+        np.arange(len(objects.rows)),
+        objects.starts,
+        objects.counts,
+        np.column_stack([np.empty((len(scenes), 0), dtype=np.int64), *bound]),
+        scenes.ids,
+        objects.codes.ids[objects.codes.codes],
+    )
+
+
+def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
+    """Return one value per scene, such as a label, from a long table.
+
+    Parameters
+    ----------
+    frame : pandas, polars or pyarrow table
+        One row per object, as for `Scenes.from_frame`.
+    column : str
+        The column of values; constant within a scene.
+    scene : str
+        The column of scene ids.
+
+    Returns
+    -------
+    (n_scenes,) array
+        In order of the scenes' first appearance, aligned with `Scenes.from_frame`.
+
+    Raises
+    ------
+    InputError
+        If a value is missing, differs within a scene, or the column mixes types.
+    """
+    table = open_frame(frame, [scene, column])
+    scenes = _scene_codes(table, scene)
+    values = arrow_column(table, column)
+    if values is None or not (is_numeric(values.type) or is_text(values.type)):
+        found = "mixed types" if values is None else values.type
+        raise InputError(f"column {column!r} holds {found}: it must hold numbers, booleans or strings")
+    chosen = _constant_values(values, scenes, column)
+    missing = np.flatnonzero(pc.is_null(chosen).to_numpy(zero_copy_only=False))
+    if missing.size:
+        name = plain(scenes.ids[missing[0]])
+        raise InputError(f"column {column!r} has no value in scene {name!r}: fill it in or drop the scene")
+    return cast("NDArray[Any]", chosen.to_numpy(zero_copy_only=False))
+
+
+def _attribute_layout(attributes: AttributeColumns) -> list[tuple[Attribute, tuple[str, ...]]]:
+    """Pair each attribute with its columns."""
+    if not isinstance(attributes, Mapping) or not attributes:
+        raise InputError(
+            "attributes must map at least one attribute to its columns, such as "
+            f"{{'location': ['x', 'y']}}, got {attributes!r}"
+        )
+    layout = []
+    for key, value in attributes.items():
+        columns = (value,) if isinstance(value, str) else tuple(value or ())
+        name = key.name if isinstance(key, Attribute) else key
+        if not columns:
+            raise InputError(f"attribute {name!r} is mapped to no column: name one column per component")
+        attribute = key if isinstance(key, Attribute) else Attribute(key, len(columns))
+        if attribute.dim != len(columns):
+            raise InputError(
+                f"attribute {name!r} has dim {attribute.dim}, but is mapped to {len(columns)} columns"
+            )
+        layout.append((attribute, columns))
+    return layout
+
+
+def _parameter_names(arguments: Sequence[str], object_column: str | None) -> tuple[str, ...]:
+    if isinstance(arguments, str):
+        raise InputError(f"arguments must be a sequence of column names, got a string: write [{arguments!r}]")
+    if arguments and object_column is None:
+        raise InputError("arguments hold object ids: name the column of object ids with object=")
+    return tuple(arguments)
+
+
+def _scene_codes(table: Frame, scene: str) -> Codes:
+    scenes = encode(id_column(table, scene))
+    missing = np.flatnonzero(scenes.codes < 0)
+    if missing.size:
+        raise InputError(f"row {missing[0]} has no scene id (column {scene!r}): every row belongs to a scene")
+    return scenes
+
+
+def _locator(scenes: Codes, object_ids: ArrowArray | None) -> Locate:
+    def locate(row: int) -> str:
+        where = f"scene {plain(scenes.ids[scenes.codes[row]])!r}"
+        return (
+            f"row {row} ({where})" if object_ids is None else f"{where}, object {object_ids[row].as_py()!r}"
+        )
+
+    return locate
+
+
+def _group(scenes: Codes, object_ids: ArrowArray | None, matrix: FloatArray) -> _Objects:
+    """Bring the objects of a scene together, in row order; placeholders of empty scenes are left out."""
+    is_object = np.ones(len(matrix), dtype=np.bool_)
+    if object_ids is not None:
+        is_object = pc.is_valid(object_ids).to_numpy(zero_copy_only=False)
+        _check_placeholders(scenes, is_object, matrix)
+    order = np.argsort(scenes.codes, kind="stable")
+    rows = order[is_object[order]]
+    counts = np.bincount(scenes.codes[rows], minlength=len(scenes))
+    starts = np.cumsum(counts) - counts
+    if object_ids is None:
+        within = np.arange(len(rows)) - np.repeat(starts, counts)
+        codes = Codes(within, np.arange(counts.max(initial=0)))
+    else:
+        encoded = encode(object_ids)
+        codes = Codes(encoded.codes[rows], encoded.ids)
+    return _Objects(rows, scenes.codes[rows], counts, starts, codes)
+
+
+def _check_placeholders(scenes: Codes, is_object: NDArray[np.bool_], matrix: FloatArray) -> None:
+    """Check that a row without object id, which stands for an empty scene, is bare and alone in its scene."""
+    sizes = np.bincount(scenes.codes, minlength=len(scenes))
+    with_values = ~np.isnan(matrix).all(axis=1)
+    wrong = np.flatnonzero(~is_object & (with_values | (sizes[scenes.codes] > 1)))
+    if wrong.size:
+        raise InputError(
+            f"row {wrong[0]} of scene {plain(scenes.ids[scenes.codes[wrong[0]]])!r} has no object id: give "
+            "the object an id (only a scene without objects has a single row without id and values)"
+        )
+
+
+def _constant_values(values: ArrowArray, scenes: Codes, column: str) -> ArrowArray:
+    """Return the value of each scene as an arrow array, after checking that it has only one."""
+    codes, _ = to_codes(values)
+    _, first = np.unique(scenes.codes, return_index=True)
+    differs = np.flatnonzero(codes != codes[first][scenes.codes])
+    if differs.size:
+        row = int(differs[0])
+        scene = scenes.codes[row]
+        raise InputError(
+            f"column {column!r} has the values {values[int(first[scene])].as_py()!r} and "
+            f"{values[row].as_py()!r} in scene {plain(scenes.ids[scene])!r}: it must have one value per "
+            "scene"
+        )
+    return values.take(pa.array(first))

@@ -1,0 +1,121 @@
+"""Finding objects by their identifier within a scene, for whole batches at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from relforest.scenes.arrays import IntArray
+from relforest.scenes.arrow import ArrowArray
+from relforest.scenes.columns import Codes
+from relforest.scenes.ids import IdArray, plain
+from relforest.support.errors import InputError
+
+__all__ = ["ObjectIndex", "bind_arguments", "index_objects"]
+
+_SHOWN = 8
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectIndex:
+    """The objects of all scenes, sorted by scene and identifier code."""
+
+    scene_ids: IdArray  # (n_scenes,)
+    object_ids: IdArray  # (k,), by code
+    keys: IntArray  # (n_refs,), sorted: scene * k + code
+    positions: IntArray  # (n_refs,), where each key stood in the arrays that were indexed
+
+    def find(self, scenes: IntArray, codes: IntArray) -> IntArray:
+        """Return the position of the object with each code in each scene, -1 where it is not there."""
+        if not len(self.keys):
+            return np.full(len(scenes), -1)
+        wanted = scenes * len(self.object_ids) + codes
+        nearest = np.minimum(np.searchsorted(self.keys, wanted), len(self.keys) - 1)
+        return np.where((codes >= 0) & (self.keys[nearest] == wanted), self.positions[nearest], -1)
+
+    def describe(self, scene: int) -> str:
+        """Return the identifiers of one scene's objects, for messages."""
+        low, high = np.searchsorted(
+            self.keys, [scene * len(self.object_ids), (scene + 1) * len(self.object_ids)]
+        )
+        ids = [repr(plain(self.object_ids[key % len(self.object_ids)])) for key in self.keys[low:high]]
+        if len(ids) > _SHOWN:
+            ids = [*ids[:_SHOWN], f"and {len(ids) - _SHOWN} more"]
+        return ", ".join(ids) or "none"
+
+
+def index_objects(scene_ids: IdArray, scenes: IntArray, objects: Codes) -> ObjectIndex:
+    """Index objects by scene and identifier.
+
+    Parameters
+    ----------
+    scene_ids : (n_scenes,) array
+        For messages.
+    scenes : (n_refs,) int array
+        The scene of each object.
+    objects : Codes
+        The identifier of each object; no nulls.
+
+    Raises
+    ------
+    InputError
+        If two objects of a scene have the same identifier.
+    """
+    keys = scenes * len(objects) + objects.codes
+    order = np.argsort(keys, kind="stable")
+    keys = keys[order]
+    twice = np.flatnonzero(keys[1:] == keys[:-1])
+    if twice.size:
+        scene, code = divmod(int(keys[twice[0]]), len(objects))
+        raise InputError(
+            f"object {plain(objects.ids[code])!r} occurs twice in scene {plain(scene_ids[scene])!r}: the "
+            "ids of a scene's objects must differ"
+        )
+    return ObjectIndex(scene_ids, objects.ids, keys, order)
+
+
+def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> IntArray:
+    """Return the position of the object that each scene binds to one parameter, -1 where the value is null.
+
+    Parameters
+    ----------
+    index : ObjectIndex
+        The objects of all scenes.
+    parameter : str
+        For messages.
+    values : (n_scenes,) arrow array
+        Object identifiers, from `id_column`.
+
+    Raises
+    ------
+    InputError
+        If a value is not the identifier of an object of its scene.
+    """
+    ids = pa.array(index.object_ids, from_pandas=True)
+    ids = pc.cast(ids, pa.large_string() if index.object_ids.dtype == object else pa.int64())
+    try:
+        # A CSV reader takes "7" for a number in a column where no other id shows that ids are strings.
+        values = pc.cast(values, ids.type)
+    except pa.ArrowInvalid as error:
+        raise InputError(
+            f"argument {parameter!r} holds {values.type} values ({error}), but object ids are {ids.type}: "
+            "give both columns the same type"
+        ) from error
+    codes = pc.fill_null(pc.cast(pc.index_in(values, value_set=ids), pa.int64()), -1).to_numpy(
+        zero_copy_only=False
+    )
+    positions = index.find(np.arange(len(codes)), codes)
+    unbound = np.flatnonzero((positions < 0) & pc.is_valid(values).to_numpy(zero_copy_only=False))
+    if unbound.size:
+        scene = int(unbound[0])
+        raise InputError(
+            f"argument {parameter!r} of scene {plain(index.scene_ids[scene])!r} is "
+            f"{values[scene].as_py()!r}, which is no object of that scene (it has {index.describe(scene)}): "
+            "use the id of one of them, or null for none"
+        )
+    return positions

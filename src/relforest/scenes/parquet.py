@@ -1,0 +1,201 @@
+"""Scenes as Parquet files that other tools read as a long table and that come back exactly.
+
+A row of the table is one object in one scene (or a scene without objects). Two further columns number the
+scenes and the object rows, so that repeated scenes and shared objects survive; the schema stands in the
+file's metadata.
+"""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from typing import Final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+from pyarrow import parquet
+
+from relforest.scenes.arrays import IntArray, SceneArrays, compact
+from relforest.scenes.arrow import ArrowArray, ArrowTable
+from relforest.scenes.columns import Codes, encode, id_column, number_column, open_frame
+from relforest.scenes.ids import IdArray, plain
+from relforest.scenes.lookup import bind_arguments, index_objects
+from relforest.scenes.schema import Schema
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.files import check_document, write_bytes
+
+__all__ = ["arrays_from_table", "is_own", "to_table", "write_table"]
+
+FORMAT: Final = "relforest-scenes"
+VERSION: Final = 1
+_KEY: Final = b"relforest"
+
+
+def write_table(path: str | PathLike[str], table: ArrowTable) -> None:
+    """Write an arrow table as a Parquet file, whole or not at all."""
+    sink = pa.BufferOutputStream()
+    parquet.write_table(table, sink, compression="zstd")
+    write_bytes(path, sink.getvalue().to_pybytes())
+
+
+def to_table(parts: SceneArrays) -> ArrowTable:
+    """Return scenes as a long arrow table with the schema in its metadata; see `Scenes.to_parquet`.
+
+    Raises
+    ------
+    InputError
+        If two objects of a scene have the same id, or an argument is no object of its scene: then ids would
+        not tell which object is meant.
+    """
+    parts = compact(parts)
+    scenes = np.repeat(np.arange(len(parts.starts)), parts.counts)
+    _check_identifiable(parts, scenes)
+    # A scene without objects gets a row of its own, with -1 in place of the object row.
+    empty = np.flatnonzero(parts.counts == 0)
+    order = np.argsort(np.concatenate([scenes, empty]), kind="stable")
+    scenes = np.concatenate([scenes, empty])[order]
+    rows = np.concatenate([parts.rows, np.full(len(empty), -1)])[order]
+    object_ids = _id_array("object_ids", parts.object_ids)
+    columns = [
+        _id_array("scene_ids", parts.scene_ids).take(pa.array(scenes)),
+        _take(object_ids, rows),
+        *(_take(pa.array(column), rows) for column in parts.matrix.T),
+        *(_take(object_ids, column[scenes]) for column in parts.arguments.T),
+        pa.array(scenes),
+        pa.array(rows, mask=rows < 0),
+    ]
+    names = _column_names(parts.schema)
+    document = {"format": FORMAT, "version": VERSION, "schema": parts.schema.to_dict(), "columns": names}
+    return pa.table(columns, names=names).replace_schema_metadata({_KEY: json.dumps(document).encode()})
+
+
+def is_own(table: ArrowTable) -> bool:
+    """Tell whether a table was made by `to_table`."""
+    return _KEY in (table.schema.metadata or {})
+
+
+def arrays_from_table(table: ArrowTable, origin: str) -> SceneArrays:
+    """Read what `to_table` made.
+
+    Raises
+    ------
+    ModelFormatError
+        If the metadata or the numbering of scenes and objects is not as `to_table` writes it.
+    """
+    schema, names = _read_metadata(table, origin)
+    if len(table) == 0:
+        none = np.empty(0, dtype=np.int64)
+        arguments = np.empty((0, schema.n_parameters), dtype=np.int64)
+        return SceneArrays(schema, np.empty((0, schema.width)), none, none, none, arguments, none, none)
+    try:
+        return _read_rows(table, schema, names)
+    except (InputError, pa.ArrowException) as error:
+        raise ModelFormatError(f"{origin} is damaged: {error}") from error
+
+
+def _read_rows(table: ArrowTable, schema: Schema, names: list[str]) -> SceneArrays:
+    frame = open_frame(table, names)
+    scene_ids, objects = id_column(frame, names[0]), encode(id_column(frame, names[1]))
+    scenes, rows = (_numbering(table.column(name)) for name in names[-2:])
+    is_object = objects.codes >= 0
+    first = _check_numbering(scenes, rows, is_object)
+    if scene_ids.null_count:
+        raise InputError("a scene has no id")
+    scene_ids = scene_ids.take(pa.array(first)).to_numpy(zero_copy_only=False)
+    rows = rows[is_object]
+    _, seen = np.unique(rows, return_index=True)
+    counts = np.bincount(scenes[is_object], minlength=len(first))
+    codes = Codes(objects.codes[is_object], objects.ids)
+    index = index_objects(scene_ids, scenes[is_object], codes)
+    arguments = np.full((len(first), schema.n_parameters), -1, dtype=np.int64)
+    for column, name in enumerate(names[2 + schema.width : -2]):
+        found = bind_arguments(index, name, id_column(frame, name).take(pa.array(first)))
+        arguments[:, column] = np.append(rows, -1)[found]
+    columns = (number_column(frame, name, "row {}".format) for name in names[2 : 2 + schema.width])
+    matrix = np.column_stack([column[is_object][seen] for column in columns])
+    starts = np.cumsum(counts) - counts
+    object_ids = codes.ids[codes.codes[seen]]
+    return SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+
+
+def _check_numbering(scenes: IntArray, rows: IntArray, is_object: NDArray[np.bool_]) -> IntArray:
+    """Return the first table row of each scene, once scenes and objects are numbered as they should be."""
+    steps = np.diff(scenes, prepend=-1)
+    first = np.flatnonzero(steps)
+    object_rows = np.unique(rows[is_object])
+    alone = np.diff(first, append=len(scenes)) == 1
+    in_order = (
+        np.isin(steps, (0, 1)).all()
+        and steps[0] == 1
+        and np.array_equal(object_rows, np.arange(len(object_rows)))
+        and np.array_equal(is_object, rows >= 0)
+        and (is_object[first] | alone).all()
+        and is_object[steps == 0].all()
+    )
+    if not in_order:
+        raise InputError("its scenes and objects are not numbered in order")
+    return first
+
+
+def _numbering(column: ArrowArray) -> IntArray:
+    """Return a column of whole numbers with -1 for nulls."""
+    numbers: IntArray = pc.fill_null(pc.cast(column, pa.int64()), -1).to_numpy()
+    return numbers
+
+
+def _read_metadata(table: ArrowTable, origin: str) -> tuple[Schema, list[str]]:
+    try:
+        parsed = json.loads(table.schema.metadata[_KEY])
+    except (ValueError, RecursionError) as error:
+        raise ModelFormatError(f"{origin} has unreadable metadata: {error}") from error
+    document = check_document(parsed, format=FORMAT, version=VERSION, origin=origin)
+    schema = Schema.from_dict(document.get("schema"))
+    names = document.get("columns")
+    if names != _column_names(schema) or names != table.column_names:
+        raise ModelFormatError(f"{origin} is damaged: its columns are not those of its schema")
+    return schema, names
+
+
+def _column_names(schema: Schema) -> list[str]:
+    """Return the names of ids, attributes, arguments and numbering; one already taken gets underscores."""
+    wanted = ["scene", "object"]
+    for attribute in schema.attributes:
+        several = [f"{attribute.name}_{component}" for component in range(attribute.dim)]
+        wanted += [attribute.name] if attribute.dim == 1 else several
+    names: list[str] = []
+    for name in (*wanted, *schema.parameters, "scene_number", "object_row"):
+        free = name
+        while free in names:
+            free += "_"
+        names.append(free)
+    return names
+
+
+def _check_identifiable(parts: SceneArrays, scenes: IntArray) -> None:
+    objects = encode(_id_array("object_ids", parts.object_ids))
+    if len(parts.rows):
+        index_objects(parts.scene_ids, scenes, Codes(objects.codes[parts.rows], objects.ids))
+    members = scenes * len(parts.matrix) + parts.rows
+    for parameter, column in zip(parts.schema.parameters, parts.arguments.T, strict=True):
+        bound = np.flatnonzero(column >= 0)
+        outside = bound[~np.isin(bound * len(parts.matrix) + column[bound], members)]
+        if outside.size:
+            raise InputError(
+                f"argument {parameter!r} of scene {plain(parts.scene_ids[outside[0]])!r} is bound to an "
+                "object of another scene: bind it to one of the scene's own"
+            )
+
+
+def _id_array(what: str, ids: IdArray) -> ArrowArray:
+    if ids.dtype != object:
+        return pa.array(ids)
+    if not all(isinstance(each, str) for each in ids):
+        raise InputError(f"{what} must be all integers or all strings to be written: convert them to strings")
+    return pa.array(ids, pa.large_string())
+
+
+def _take(values: ArrowArray, rows: IntArray) -> ArrowArray:
+    """Return ``values[rows]`` as an arrow array, null where a row is -1."""
+    return values.take(pa.array(rows, mask=rows < 0))

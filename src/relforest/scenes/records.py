@@ -1,0 +1,219 @@
+"""Scenes from and to plain dictionaries, as they come out of JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from numbers import Real
+from typing import Any, final
+
+import numpy as np
+
+from relforest.scenes.arrays import FloatArray, SceneArrays
+from relforest.scenes.ids import as_ids, plain
+from relforest.scenes.schema import Attribute, Schema
+from relforest.support.errors import InputError
+
+__all__ = ["arrays_from_dicts", "arrays_to_dicts"]
+
+_RECORD_KEYS = ("id", "objects", "arguments")
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Record:
+    """One scene as it was given."""
+
+    scene_id: object
+    objects: tuple[Mapping[str, object], ...]
+    object_ids: tuple[object, ...]
+    arguments: Mapping[str, object]
+
+    @property
+    def name(self) -> str:
+        return f"scene {plain(self.scene_id)!r}"
+
+
+def arrays_from_dicts(records: Iterable[Mapping[str, Any]], schema: Schema | None) -> SceneArrays:
+    """Read scenes from dictionaries; see `Scenes.from_dicts`."""
+    scenes = _read_records(records)
+    scene_ids = as_ids("scene ids", [scene.scene_id for scene in scenes])
+    object_ids = as_ids("object ids", [each for scene in scenes for each in scene.object_ids])
+    if schema is None:
+        schema = _infer_schema(scenes)
+    known = {attribute.name: (attribute, schema.columns(attribute.name)) for attribute in schema.attributes}
+    counts = np.array([len(scene.objects) for scene in scenes], dtype=np.int64)
+    starts = np.cumsum(counts) - counts
+    matrix = np.full((int(counts.sum()), schema.width), np.nan)
+    arguments = np.full((len(scenes), schema.n_parameters), -1, dtype=np.int64)
+    for position, (scene, start) in enumerate(zip(scenes, starts.tolist(), strict=True)):
+        for offset, entry in enumerate(scene.objects):
+            _fill_row(
+                matrix[start + offset], entry, known, f"{scene.name}, object {scene.object_ids[offset]!r}"
+            )
+        arguments[position] = _bind(scene, start, schema.parameters)
+    return SceneArrays(
+        schema, matrix, np.arange(len(matrix)), starts, counts, arguments, scene_ids, object_ids
+    )
+
+
+def arrays_to_dicts(parts: SceneArrays) -> list[dict[str, Any]]:
+    """Write scenes as dictionaries; see `Scenes.to_dicts`."""
+    objects = [
+        {"id": plain(each)} | _defined_values(parts.schema, row)
+        for each, row in zip(parts.object_ids, parts.matrix, strict=True)
+    ]
+    documents = []
+    for position, start in enumerate(parts.starts.tolist()):
+        rows = parts.rows[start : start + parts.counts[position]].tolist()
+        document: dict[str, Any] = {
+            "id": plain(parts.scene_ids[position]),
+            "objects": [dict(objects[row]) for row in rows],
+        }
+        if parts.schema.parameters:
+            bound = zip(parts.schema.parameters, parts.arguments[position].tolist(), strict=True)
+            document["arguments"] = {
+                name: None if row < 0 else plain(parts.object_ids[row]) for name, row in bound
+            }
+        documents.append(document)
+    return documents
+
+
+def _defined_values(schema: Schema, row: FloatArray) -> dict[str, Any]:
+    """Return the attributes of one object that have a defined component; None stands for the others."""
+    values: dict[str, Any] = {}
+    for attribute in schema.attributes:
+        components = row[schema.columns(attribute.name)].tolist()
+        numbers = [None if math.isnan(component) else component for component in components]
+        if any(number is not None for number in numbers):
+            values[attribute.name] = numbers[0] if attribute.dim == 1 else numbers
+    return values
+
+
+def _read_records(records: Iterable[Mapping[str, Any]]) -> list[_Record]:
+    if isinstance(records, (str, bytes, Mapping)) or not isinstance(records, Iterable):
+        raise InputError(f"expected a list with one dictionary per scene, got {type(records).__name__}")
+    given = list(records)
+    if not given:
+        raise InputError("the list of scenes is empty: there must be at least one scene")
+    for position, record in enumerate(given):
+        if not isinstance(record, Mapping) or not isinstance(record.get("objects"), Sequence):
+            raise InputError(
+                f"scene number {position} must be a dictionary with a list of 'objects', got {record!r:.100}"
+            )
+        unknown = [key for key in record if key not in _RECORD_KEYS]
+        if unknown:
+            raise InputError(
+                f"scene number {position} has the key {unknown[0]!r}: known are {', '.join(_RECORD_KEYS)}"
+            )
+    _all_or_none("scenes", [record.get("id") is not None for record in given])
+    scenes = [_read_record(position, record) for position, record in enumerate(given)]
+    _all_or_none("objects", [entry.get("id") is not None for scene in scenes for entry in scene.objects])
+    return scenes
+
+
+def _read_record(position: int, record: Mapping[str, Any]) -> _Record:
+    scene_id = position if record.get("id") is None else record["id"]
+    objects, arguments = tuple(record["objects"]), record.get("arguments")
+    for entry in objects:
+        if not isinstance(entry, Mapping):
+            raise InputError(
+                f"scene {scene_id!r} has the object {entry!r:.100}: an object is a dictionary of attributes"
+            )
+    arguments = {} if arguments is None else arguments
+    if not isinstance(arguments, Mapping):
+        raise InputError(
+            f"the arguments of scene {scene_id!r} must map names to object ids, got {arguments!r:.100}"
+        )
+    ids = tuple(offset if entry.get("id") is None else entry["id"] for offset, entry in enumerate(objects))
+    return _Record(scene_id, objects, ids, arguments)
+
+
+def _all_or_none(what: str, have_id: list[bool]) -> None:
+    if any(have_id) and not all(have_id):
+        raise InputError(f"some {what} have an 'id' and some do not: give one to all of them or to none")
+
+
+def _infer_schema(scenes: list[_Record]) -> Schema:
+    """Take attributes and arguments in order of first appearance, dimensions from the first value."""
+    found: dict[str, Attribute | None] = {}
+    parameters: dict[str, None] = {}
+    for scene in scenes:
+        parameters.update(dict.fromkeys(scene.arguments))
+        for entry in scene.objects:
+            for name, value in entry.items():
+                if name != "id" and found.get(name) is None:
+                    found[name] = None if value is None else Attribute(name, max(len(_components(value)), 1))
+    for name, attribute in found.items():
+        if attribute is None:
+            raise InputError(
+                f"attribute {name!r} has no value in any scene, so its dim is unknown: pass schema="
+            )
+    if not found:
+        raise InputError("no object has an attribute, so the schema is unknown: pass schema=")
+    return Schema([attribute for attribute in found.values() if attribute is not None], parameters)
+
+
+def _components(value: object) -> list[object]:
+    if isinstance(value, np.ndarray):
+        return list(np.atleast_1d(value))
+    return list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+
+
+def _fill_row(
+    row: FloatArray, entry: Mapping[str, object], known: Mapping[str, tuple[Attribute, slice]], where: str
+) -> None:
+    for name, value in entry.items():
+        if name == "id" or value is None:
+            continue
+        if name not in known:
+            raise InputError(
+                f"{where} has the unknown attribute {name!r}: the schema has {', '.join(map(repr, known))}"
+            )
+        attribute, columns = known[name]
+        numbers = _components(value)
+        if len(numbers) != attribute.dim:
+            raise InputError(
+                f"{where}: {name!r} has {len(numbers)} components, but its dim is {attribute.dim}"
+            )
+        row[columns] = [_number(number, name, where) for number in numbers]
+
+
+def _number(value: object, name: str, where: str) -> float:
+    if value is None:
+        return np.nan
+    if not isinstance(value, (Real, Decimal, np.bool_)):
+        raise InputError(
+            f"{where}: {name!r} holds {value!r:.100}, which is not a number: use numbers, None if undefined"
+        )
+    number = float(value)
+    if np.isinf(number):
+        raise InputError(f"{where}: {name!r} is infinite: use None where a value is undefined")
+    return number
+
+
+def _bind(scene: _Record, start: int, parameters: tuple[str, ...]) -> list[int]:
+    """Return the object rows bound to the parameters in one scene."""
+    rows: dict[object, int] = {}
+    for offset, each in enumerate(scene.object_ids):
+        if rows.setdefault(each, start + offset) != start + offset:
+            raise InputError(
+                f"object {each!r} occurs twice in {scene.name}: the ids of a scene's objects must differ"
+            )
+    unknown = [name for name in scene.arguments if name not in parameters]
+    if unknown:
+        raise InputError(
+            f"{scene.name} has the unknown argument {unknown[0]!r}: the schema has "
+            f"{', '.join(map(repr, parameters)) or 'none'}"
+        )
+    for name, value in scene.arguments.items():
+        is_id = isinstance(value, (int, np.integer, str)) and not isinstance(value, bool)
+        if value is not None and not (is_id and value in rows):
+            raise InputError(
+                f"argument {name!r} of {scene.name} is {value!r}, which is no object of that scene (it has "
+                f"{', '.join(repr(each) for each in rows) or 'none'}): use the id of one of them, or None"
+            )
+    bound = (scene.arguments.get(name) for name in parameters)
+    return [-1 if value is None else rows[value] for value in bound]

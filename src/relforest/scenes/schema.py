@@ -1,0 +1,294 @@
+"""What is known about objects: named attributes and the arguments of an action.
+
+The names and defaults follow Palmer (2015), section 4.3: which mapping functions an attribute takes part in
+belongs to the schema, because every extra function costs significance in the test of a tree's candidate
+questions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, Literal, final
+
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.options import at_least, one_of
+
+__all__ = ["KINDS", "OPERATION_NAMES", "Attribute", "Kind", "Schema"]
+
+Kind = Literal["euclidean", "angle"]
+
+KINDS: Final[tuple[Kind, ...]] = ("euclidean", "angle")
+OPERATION_NAMES: Final = ("identity", "distance", "difference", "reframe", "scaled_reframe")
+
+_ANGLE_OPERATIONS: Final = ("identity", "difference")
+_PLANAR_OPERATIONS: Final = ("reframe", "scaled_reframe")
+_OPERATIONS_BY_NAME: Final[dict[str, tuple[str, ...]]] = {
+    "color": ("identity", "difference"),
+    "colour": ("identity", "difference"),
+    "extent": ("identity",),
+    "extent_ratio": ("identity",),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, init=False)
+class Attribute:
+    """One property of an object: a vector of ``dim`` numbers, or an angle.
+
+    Parameters
+    ----------
+    name : str
+        Unique within a schema; it appears in the sentences of a tree.
+    dim : int
+        Number of components, at least 1.
+    kind : {"euclidean", "angle"}, optional
+        An angle is in radians with period 2 pi and has ``dim`` 1. Default: ``"angle"`` for the name
+        ``"orientation"`` with ``dim`` 1, otherwise ``"euclidean"``.
+    operations : iterable of str, optional
+        Operations of `OPERATION_NAMES` that the attribute takes part in. The defaults give the functions of
+        Palmer (2015), section 4.3: identity and difference for a colour, identity for extents and angles, and
+        identity, distance, difference and (in two dimensions) both reframes for anything else.
+
+    Raises
+    ------
+    InputError
+        If the name is empty, or ``dim``, ``kind`` and ``operations`` do not go together.
+
+    Examples
+    --------
+    >>> Attribute("location", 2).operations
+    ('identity', 'distance', 'difference', 'reframe', 'scaled_reframe')
+    >>> Attribute("orientation").kind
+    'angle'
+    """
+
+    name: str
+    dim: int
+    kind: Kind
+    operations: tuple[str, ...]
+
+    def __init__(
+        self, name: str, dim: int = 1, kind: str | None = None, operations: Iterable[str] | None = None
+    ) -> None:
+        _check_name("attribute", name)
+        if name == "id":
+            raise InputError(
+                "an attribute cannot be named 'id', which stands for an object's identifier: rename it"
+            )
+        dim = at_least(f"dim of attribute {name!r}", dim, 1)
+        checked = _resolve_kind(name, dim, kind)
+        chosen = (
+            _default_operations(name, dim, checked)
+            if operations is None
+            else _check_operations(name, dim, checked, operations)
+        )
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "dim", dim)
+        object.__setattr__(self, "kind", checked)
+        object.__setattr__(self, "operations", chosen)
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the attribute as plain JSON values."""
+        return {"name": self.name, "dim": self.dim, "kind": self.kind, "operations": list(self.operations)}
+
+    @classmethod
+    def from_dict(cls, document: object) -> Attribute:
+        """Read what `to_dict` wrote.
+
+        Raises
+        ------
+        ModelFormatError
+            If the document does not describe an attribute.
+        """
+        entries = _entries(document, ("name", "dim", "kind", "operations"), "attribute")
+        name, dim, kind, operations = entries.values()
+        if not (isinstance(name, str) and isinstance(dim, int) and isinstance(kind, str)):
+            raise ModelFormatError(
+                f"not an attribute: {document!r:.200}; expected a name, an integer dim and a kind"
+            )
+        try:
+            return cls(name, dim, kind, _strings(operations, f"operations of attribute {name!r}"))
+        except InputError as error:
+            raise ModelFormatError(str(error)) from error
+
+
+@final
+@dataclass(frozen=True, slots=True, init=False)
+class Schema:
+    """The ordered attributes of all objects and the names of the action arguments.
+
+    Parameters
+    ----------
+    attributes : iterable of Attribute
+        At least one, with different names. Their components are the columns of `Scenes.matrix`, in this
+        order.
+    parameters : iterable of str
+        Names of the arguments that each scene binds to one of its objects (may be empty).
+
+    Raises
+    ------
+    InputError
+        If there is no attribute, or a name occurs twice.
+    """
+
+    attributes: tuple[Attribute, ...]
+    parameters: tuple[str, ...]
+
+    def __init__(self, attributes: Iterable[Attribute], parameters: Iterable[str] = ()) -> None:
+        attributes, parameters = tuple(attributes), _name_tuple(parameters)
+        if not attributes:
+            raise InputError("a schema needs at least one attribute: name what is known about the objects")
+        for attribute in attributes:
+            if not isinstance(attribute, Attribute):
+                raise InputError(f"a schema is made of Attribute values, got {attribute!r}")
+        for parameter in parameters:
+            _check_name("argument", parameter)
+        _check_unique("attribute", [attribute.name for attribute in attributes])
+        _check_unique("argument", parameters)
+        object.__setattr__(self, "attributes", attributes)
+        object.__setattr__(self, "parameters", parameters)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the attributes, in order."""
+        return tuple(attribute.name for attribute in self.attributes)
+
+    @property
+    def width(self) -> int:
+        """Number of columns of `Scenes.matrix`: the sum of the attributes' dimensions."""
+        return sum(attribute.dim for attribute in self.attributes)
+
+    @property
+    def n_parameters(self) -> int:
+        """Number of action arguments."""
+        return len(self.parameters)
+
+    def index(self, name: str) -> int:
+        """Return the position of attribute ``name``.
+
+        Raises
+        ------
+        InputError
+            If there is no such attribute; the message lists those that exist.
+        """
+        for position, attribute in enumerate(self.attributes):
+            if attribute.name == name:
+                return position
+        raise InputError(f"no attribute {name!r}: the schema has {', '.join(map(repr, self.names))}")
+
+    def offset(self, name: str) -> int:
+        """Return the first column of attribute ``name`` in `Scenes.matrix`."""
+        return sum(attribute.dim for attribute in self.attributes[: self.index(name)])
+
+    def columns(self, name: str) -> slice:
+        """Return the columns of attribute ``name`` in `Scenes.matrix`."""
+        start = self.offset(name)
+        return slice(start, start + self[name].dim)
+
+    def __getitem__(self, name: str) -> Attribute:
+        """Return attribute ``name``; `InputError` if there is none."""
+        return self.attributes[self.index(name)]
+
+    def __contains__(self, name: object) -> bool:
+        """Tell whether an attribute has this name."""
+        return name in self.names
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the schema as plain JSON values."""
+        return {
+            "attributes": [attribute.to_dict() for attribute in self.attributes],
+            "parameters": list(self.parameters),
+        }
+
+    @classmethod
+    def from_dict(cls, document: object) -> Schema:
+        """Read what `to_dict` wrote.
+
+        Raises
+        ------
+        ModelFormatError
+            If the document does not describe a schema.
+        """
+        attributes, parameters = _entries(document, ("attributes", "parameters"), "schema").values()
+        if not isinstance(attributes, list):
+            raise ModelFormatError(f"the attributes of a schema must be a list, got {attributes!r:.200}")
+        try:
+            return cls(map(Attribute.from_dict, attributes), _strings(parameters, "parameters of the schema"))
+        except InputError as error:
+            raise ModelFormatError(str(error)) from error
+
+
+def _check_name(what: str, name: object) -> None:
+    if not isinstance(name, str) or not name.strip() or not name.isprintable():
+        raise InputError(f"{what} names must be non-empty printable strings, got {name!r}")
+
+
+def _check_unique(what: str, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise InputError(f"two {what}s are named {name!r}: give each {what} its own name")
+        seen.add(name)
+
+
+def _name_tuple(names: Iterable[str]) -> tuple[str, ...]:
+    """Turn names into a tuple; a lone string would otherwise become its letters."""
+    if isinstance(names, str):
+        raise InputError(
+            f"argument names must be a sequence of strings, got the string {names!r}; write [{names!r}]"
+        )
+    return tuple(names)
+
+
+def _resolve_kind(name: str, dim: int, kind: str | None) -> Kind:
+    if kind is None:
+        return "angle" if name == "orientation" and dim == 1 else "euclidean"
+    if one_of(f"kind of attribute {name!r}", kind, KINDS) == "euclidean":
+        return "euclidean"
+    if dim != 1:
+        raise InputError(
+            f"attribute {name!r} is an angle with dim {dim}: an angle has dim 1, name one column per angle"
+        )
+    return "angle"
+
+
+def _default_operations(name: str, dim: int, kind: Kind) -> tuple[str, ...]:
+    if kind == "angle":
+        return ("identity",)
+    if name in _OPERATIONS_BY_NAME:
+        return _OPERATIONS_BY_NAME[name]
+    return ("identity", "distance", "difference") + (_PLANAR_OPERATIONS if dim == 2 else ())
+
+
+def _check_operations(name: str, dim: int, kind: Kind, operations: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(operations, str):
+        raise InputError(
+            f"operations of attribute {name!r} must be a sequence, got a string; write [{operations!r}]"
+        )
+    chosen = tuple(
+        one_of(f"operations of attribute {name!r}", operation, OPERATION_NAMES) for operation in operations
+    )
+    _check_unique(f"operation of attribute {name!r}", chosen)
+    for operation in chosen:
+        if kind == "angle" and operation not in _ANGLE_OPERATIONS:
+            raise InputError(
+                f"attribute {name!r} is an angle and cannot take part in {operation!r}: leave it out"
+            )
+        if operation in _PLANAR_OPERATIONS and dim != 2:
+            raise InputError(f"{operation!r} needs dim 2, but attribute {name!r} has dim {dim}: leave it out")
+    return chosen
+
+
+def _entries(document: object, keys: tuple[str, ...], what: str) -> dict[str, object]:
+    if not isinstance(document, dict) or set(document) != set(keys):
+        raise ModelFormatError(
+            f"not a {what}: expected an object with the keys {', '.join(keys)}, got {document!r:.200}"
+        )
+    return {key: document[key] for key in keys}
+
+
+def _strings(value: object, what: str) -> list[str]:
+    if not isinstance(value, list) or not all(isinstance(entry, str) for entry in value):
+        raise ModelFormatError(f"{what} must be a list of strings, got {value!r:.200}")
+    return value

@@ -1,0 +1,279 @@
+"""The contract between worlds and learners: a semi-Markov decision process over objects.
+
+A world offers, at every state, a finite set of ground actions: an action type with objects of the state bound
+to its parameters. An action may be an option that lasts longer than one unit of time (Palmer (2015), section
+2.1). A learner needs nothing else from a world than `World` and the conventions below, and a world knows no
+learner.
+
+Conventions of the Gymnasium face of a world
+--------------------------------------------
+- The action space is a flat ``Discrete`` space; `Decision.indices` names the members that are available, and
+  ``info["action_mask"]`` (int8 over the whole space) marks the same ones.
+- ``info["scene"]`` is a `relforest.Scenes` of length 1: the objects of the state, no arguments bound.
+- ``info["duration"]``, after a step, is how long the action took, positive, in the world's units of time.
+- The reward of ``env.step`` is the undiscounted total inside the action; ``info["discounted_reward"]`` is
+  the total discounted to the beginning of the action, and may be left out where it equals the reward.
+- ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` a limit of time.
+
+`relforest.testing.check_world` tells whether a world keeps them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, final, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.errors import InputError
+
+if TYPE_CHECKING:
+    from relforest.scenes import Schema
+
+UNBOUND = -1
+"""Marks an argument position that an action type does not use."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ActionType:
+    """A kind of action, with named parameters that objects are bound to.
+
+    Parameters
+    ----------
+    name : str
+        Name of the action type, such as ``"pass"``.
+    parameters : tuple of str
+        Names of the parameters in binding order, such as ``("passer", "receiver")``; empty for an action
+        without arguments.
+
+    Raises
+    ------
+    InputError
+        If a name is not a non-empty string, or a parameter appears twice.
+    """
+
+    name: str
+    parameters: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if isinstance(self.parameters, str):
+            raise InputError(
+                f"parameters of action type {self.name!r} must be a tuple of names, not a string"
+            )
+        object.__setattr__(self, "parameters", tuple(self.parameters))
+        for name in (self.name, *self.parameters):
+            if not isinstance(name, str) or not name:
+                raise InputError(
+                    f"names of action types and parameters must be non-empty strings, got {name!r}"
+                )
+        if len(set(self.parameters)) < self.arity:
+            raise InputError(
+                f"action type {self.name!r} names a parameter twice: {self.parameters}; rename one"
+            )
+
+    @property
+    def arity(self) -> int:
+        """Number of parameters."""
+        return len(self.parameters)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Action:
+    """A ground action: an action type with objects bound to its parameters.
+
+    Parameters
+    ----------
+    type : int
+        Position in the world's ``action_types``.
+    arguments : tuple of int
+        Positions of the bound objects in the scene, in parameter order.
+
+    Raises
+    ------
+    InputError
+        If ``type`` or an argument is not a non-negative integer.
+    """
+
+    type: int
+    arguments: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        for position in (self.type, *self.arguments):
+            integral = isinstance(position, (int, np.integer)) and not isinstance(position, bool)
+            if not integral or position < 0:
+                raise InputError(
+                    f"the type and the arguments of an action must be positions (0, 1, ...), got {position!r}"
+                )
+        object.__setattr__(self, "type", int(self.type))
+        object.__setattr__(self, "arguments", tuple(int(position) for position in self.arguments))
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """The objects of a state and the ground actions available in it.
+
+    Letters: n objects, w columns of the schema, m actions, k the largest arity among the world's action
+    types. Construction checks types and shapes only, because worlds build one decision per step;
+    `check_decision` checks the values against the world.
+
+    Parameters
+    ----------
+    objects : (n, w) float64
+        One row per object in the units of the world, NaN = undefined.
+    types : (m,) int64
+        The action type of each action.
+    arguments : (m, k) int64
+        Positions of the bound objects (rows of ``objects``) in parameter order, `UNBOUND` beyond
+        the arity of the action type.
+    indices : (m,) int64
+        The action's number in the flat ``Discrete`` space.
+
+    Raises
+    ------
+    InputError
+        If an array has the wrong number of dimensions, a type that cannot be cast safely, or a length that
+        disagrees with the others.
+
+    Notes
+    -----
+    The arrays become read-only views. At a terminal state there may be no action.
+    """
+
+    objects: NDArray[np.float64]
+    types: NDArray[np.int64]
+    arguments: NDArray[np.int64]
+    indices: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name, dtype, ndim in _COLUMNS:
+            array = getattr(self, name)
+            if type(array) is np.ndarray and array.dtype == dtype and array.ndim == ndim:
+                if not array.flags.writeable:
+                    continue
+                array = array.view()
+            else:
+                array = _converted(name, array, dtype, ndim)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        if not len(self.types) == len(self.arguments) == len(self.indices):
+            raise InputError(
+                "types, arguments and indices must have one entry per action, "
+                f"got {len(self.types)}, {len(self.arguments)} and {len(self.indices)}"
+            )
+
+    def __len__(self) -> int:
+        """Return the number of available actions."""
+        return len(self.types)
+
+    @property
+    def n_objects(self) -> int:
+        """Number of objects in the state."""
+        return len(self.objects)
+
+    def action(self, position: int) -> Action:
+        """Return the available action at `position` (0 <= position < len) as a structured value.
+
+        Raises
+        ------
+        InputError
+            If there is no such position.
+        """
+        if not 0 <= position < len(self):
+            raise InputError(f"position must name one of the {len(self)} available actions, got {position}")
+        bound = self.arguments[position]
+        return Action(int(self.types[position]), tuple(int(row) for row in bound[bound != UNBOUND]))
+
+
+@runtime_checkable
+class World(Protocol):
+    """What a learner needs from a world; the ``unwrapped`` environment of every world implements it."""
+
+    @property
+    def schema(self) -> Schema:
+        """Attributes of the objects, without parameters: those belong to the action types."""
+        ...
+
+    @property
+    def action_types(self) -> tuple[ActionType, ...]:
+        """The action types, in the order that `Decision.types` counts."""
+        ...
+
+    @property
+    def discount(self) -> float:
+        """Discount factor gamma per unit of ``info["duration"]``, in (0, 1]."""
+        ...
+
+    def decision(self) -> Decision:
+        """Return the objects and the available ground actions of the present state."""
+        ...
+
+
+def check_decision(decision: Decision, schema: Schema, action_types: Sequence[ActionType]) -> None:
+    """Check the values of a decision against the world it comes from.
+
+    Parameters
+    ----------
+    decision : Decision
+        The decision of one state.
+    schema : Schema
+    action_types : sequence of ActionType
+        Those of the world.
+
+    Raises
+    ------
+    InputError
+        If the objects do not fit the schema, an infinite value appears, an action has an unknown type, an
+        argument is missing, superfluous or no object of the state, or an index is negative or appears twice.
+    """
+    n_objects, width = decision.objects.shape
+    if width != schema.width:
+        raise InputError(f"objects has {width} columns, but the schema of the world has {schema.width}")
+    if np.isinf(decision.objects).any():
+        raise InputError("objects holds an infinite value; use NaN for undefined values")
+    largest = max((action_type.arity for action_type in action_types), default=0)
+    if decision.arguments.shape[1] != largest:
+        raise InputError(
+            f"arguments has {decision.arguments.shape[1]} columns, "
+            f"but the largest arity of the action types is {largest}"
+        )
+    if len(np.unique(decision.indices)) < len(decision) or (decision.indices < 0).any():
+        raise InputError(f"indices must be distinct and not negative, got {decision.indices.tolist()}")
+    for position, (type_, arguments) in enumerate(zip(decision.types, decision.arguments, strict=True)):
+        if not 0 <= type_ < len(action_types):
+            raise InputError(
+                f"action {position} has type {type_}, but there are {len(action_types)} action types"
+            )
+        arity = action_types[type_].arity
+        bound, unused = arguments[:arity], arguments[arity:]
+        if (bound < 0).any() or (bound >= n_objects).any() or (unused != UNBOUND).any():
+            raise InputError(
+                f"action {position} ({action_types[type_].name}) has arguments {arguments.tolist()}; "
+                f"the first {arity} must be positions of the {n_objects} objects, the others {UNBOUND}"
+            )
+
+
+_COLUMNS = (
+    ("objects", np.dtype(np.float64), 2),
+    ("types", np.dtype(np.int64), 1),
+    ("arguments", np.dtype(np.int64), 2),
+    ("indices", np.dtype(np.int64), 1),
+)
+
+
+def _converted(name: str, values: object, dtype: np.dtype[Any], ndim: int) -> NDArray[Any]:
+    """Return `values` as a new array of the type that a column needs, or raise `InputError`."""
+    try:
+        array = np.array(values)
+    except ValueError as error:
+        raise InputError(f"{name} must be a {ndim}-dimensional array of {dtype}: {error}") from error
+    if array.ndim != ndim or not (np.can_cast(array.dtype, dtype, "same_kind") or array.size == 0):
+        raise InputError(
+            f"{name} must be a {ndim}-dimensional array of {dtype}, "
+            f"got {array.ndim} dimensions of {array.dtype}"
+        )
+    return array.astype(dtype)

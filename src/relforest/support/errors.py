@@ -1,0 +1,19 @@
+"""The exceptions that relforest raises on purpose; all of them are `RelforestError`."""
+
+from __future__ import annotations
+
+
+class RelforestError(Exception):
+    """Base of every error that relforest raises deliberately."""
+
+
+class InputError(RelforestError, ValueError):
+    """Data or an option cannot be used; the message names it and says what to do."""
+
+
+class ModelFormatError(RelforestError, ValueError):
+    """A file or document is not a readable model of this library."""
+
+
+class RunFolderError(RelforestError, RuntimeError):
+    """A run folder is in use by another process, belongs to something else, or is damaged."""

@@ -1,0 +1,117 @@
+"""Checks of parameter values: each returns a plain Python value or raises an error naming the parameter."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Sequence
+
+from relforest.support.errors import InputError
+
+
+def at_least(name: str, value: object, low: int) -> int:
+    """Check that an option is an integer of at least ``low``.
+
+    Parameters
+    ----------
+    name : str
+        The name of the option, as the user wrote it.
+    value : object
+        Any integer, NumPy's included; booleans and floats are refused.
+    low : int
+        The smallest value allowed.
+
+    Returns
+    -------
+    int
+        ``value`` as a Python integer.
+
+    Raises
+    ------
+    InputError
+        If ``value`` is not an integer, or is less than ``low``.
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < low:
+        raise InputError(f"{name} must be an integer of at least {low}, got {value!r}")
+    return int(value)
+
+
+def in_range(
+    name: str,
+    value: object,
+    low: float,
+    high: float,
+    *,
+    open_low: bool = False,
+    open_high: bool = False,
+) -> float:
+    """Check that an option is a number between two bounds.
+
+    Parameters
+    ----------
+    name : str
+        The name of the option, as the user wrote it.
+    value : object
+        Any real number, NumPy's included; booleans and NaN are refused.
+    low, high : float
+        The bounds; use ``math.inf`` with ``open_high=True`` for "any finite number of at least ``low``".
+    open_low, open_high : bool
+        Whether the bound itself is excluded.
+
+    Returns
+    -------
+    float
+        ``value`` as a Python float.
+
+    Raises
+    ------
+    InputError
+        If ``value`` is not a number, or lies outside the bounds.
+    """
+    if not isinstance(value, bool) and isinstance(value, numbers.Real):
+        number = float(value)
+        above = number > low if open_low else number >= low
+        below = number < high if open_high else number <= high
+        if above and below:
+            return number
+    raise InputError(
+        f"{name} must be {_described(low, high, open_low=open_low, open_high=open_high)}, got {value!r}"
+    )
+
+
+def one_of(name: str, value: object, choices: Sequence[str]) -> str:
+    """Check that an option is one of a few words.
+
+    Parameters
+    ----------
+    name : str
+        The name of the option, as the user wrote it.
+    value : object
+        The word to check.
+    choices : sequence of str
+        The words allowed.
+
+    Returns
+    -------
+    str
+        ``value``.
+
+    Raises
+    ------
+    InputError
+        If ``value`` is none of ``choices``.
+    """
+    if isinstance(value, str) and value in choices:
+        return value
+    known = ", ".join(repr(choice) for choice in choices)
+    raise InputError(f"{name} must be one of {known}, got {value!r}")
+
+
+def _described(low: float, high: float, *, open_low: bool, open_high: bool) -> str:
+    parts = []
+    if not math.isinf(low):
+        parts.append(f"{'above' if open_low else 'of at least'} {low:g}")
+    if not math.isinf(high):
+        parts.append(f"{'below' if open_high else 'of at most'} {high:g}")
+    finite = "finite " if (math.isinf(low) and open_low) or (math.isinf(high) and open_high) else ""
+    return " ".join([f"a {finite}number", " and ".join(parts)]).strip()

@@ -1,0 +1,78 @@
+"""Running many independent tasks on several cores, with results that never depend on how many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Literal, TypeVar, TypeVarTuple
+
+import joblib
+from threadpoolctl import threadpool_limits
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+
+Arguments = TypeVarTuple("Arguments")
+Result = TypeVar("Result")
+
+
+def run_tasks(
+    function: Callable[[*Arguments], Result],
+    tasks: Sequence[tuple[*Arguments]],
+    *,
+    n_jobs: int = 1,
+    prefer: Literal["threads", "processes"],
+) -> list[Result]:
+    """Call ``function(*task)`` for every task and return the results in the order of the tasks.
+
+    Every task runs with a single BLAS thread, whatever ``n_jobs``, so that sums are taken in the same
+    order. A task must draw its random numbers from a stream of its own (`relforest.support.rng.stream`).
+
+    Parameters
+    ----------
+    function : callable
+        Must be importable (module level) for processes.
+    tasks : sequence of tuple
+        The positional arguments of each call.
+    n_jobs : int
+        How many tasks run at the same time; 1 runs them in this thread, -1 uses all cores.
+    prefer : {"threads", "processes"}
+        Threads suit functions that spend their time in kernels; an active ``joblib.parallel_config``
+        overrides this choice.
+
+    Returns
+    -------
+    list
+
+    Raises
+    ------
+    InputError
+        If ``n_jobs`` is neither -1 nor a positive integer.
+    """
+    if isinstance(n_jobs, bool) or n_jobs != -1:
+        n_jobs = _positive_jobs(n_jobs)
+    with one_blas_thread():
+        if n_jobs == 1 or len(tasks) < 2:
+            return [function(*task) for task in tasks]
+        workers = joblib.Parallel(n_jobs=n_jobs, prefer=prefer)
+        return list(workers(joblib.delayed(_single_threaded)(function, task) for task in tasks))
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep BLAS to one thread inside the ``with`` block, in the whole process."""
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
+
+
+def _positive_jobs(n_jobs: object) -> int:
+    try:
+        return at_least("n_jobs", n_jobs, 1)
+    except InputError:
+        raise InputError(f"n_jobs must be a positive integer, or -1 for all cores, got {n_jobs!r}") from None
+
+
+def _single_threaded(function: Callable[[*Arguments], Result], task: tuple[*Arguments]) -> Result:
+    # A worker process does not inherit the limit that its parent set.
+    with one_blas_thread():
+        return function(*task)

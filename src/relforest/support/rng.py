@@ -1,0 +1,95 @@
+"""One seed per run, and from it any number of independent random streams, each named by integers.
+
+Nothing in relforest uses global random state. A run owns one `numpy.random.SeedSequence`; `stream` derives
+the child with a given name from it without changing it, so that what one part of a run draws never depends
+on what another part drew before, on the number of workers, or on where an interrupted run was taken up
+again.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+
+from relforest.support.errors import InputError
+
+RandomState: TypeAlias = int | np.random.SeedSequence | np.random.Generator | None
+
+# SeedSequence cuts integers into 32-bit words, so (2**32,) and (0, 1) would name the same stream.
+_WORD = 2**32
+
+
+def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
+    """Turn what a user passes as ``random_state`` into the seed of a run.
+
+    Parameters
+    ----------
+    random_state : int, SeedSequence, Generator or None
+        An integer of at least 0 gives the same run every time; a sequence is used as it is; a generator is
+        asked for 128 bits, so that successive calls differ; None takes fresh entropy from the operating
+        system.
+
+    Returns
+    -------
+    numpy.random.SeedSequence
+
+    Raises
+    ------
+    InputError
+        If ``random_state`` is negative or of another type.
+    """
+    if random_state is None:
+        return np.random.SeedSequence()
+    if isinstance(random_state, np.random.SeedSequence):
+        return random_state
+    if isinstance(random_state, np.random.Generator):
+        words = random_state.integers(0, _WORD, size=4, dtype=np.int64)
+        return np.random.SeedSequence(words.tolist())
+    is_integer = isinstance(random_state, (int, np.integer)) and not isinstance(random_state, bool)
+    if not is_integer or random_state < 0:
+        raise InputError(
+            "random_state must be an integer of at least 0, a numpy SeedSequence or Generator, or None, "
+            f"got {random_state!r}"
+        )
+    return np.random.SeedSequence(int(random_state))
+
+
+def stream(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:
+    """Return the child of ``seed`` named by ``key``; ``seed`` does not change.
+
+    Parameters
+    ----------
+    seed : numpy.random.SeedSequence
+        The parent.
+    *key : int
+        The name, integers from 0 to 2**32 - 1. ``stream(seed, 3, 1)`` is ``stream(stream(seed, 3), 1)``.
+
+    Returns
+    -------
+    numpy.random.SeedSequence
+        Statistically independent of its parent and of every child with another name.
+
+    Raises
+    ------
+    InputError
+        If a part of ``key`` lies outside that range.
+    """
+    for part in key:
+        if not 0 <= part < _WORD:
+            raise InputError(f"a part of a stream's key must be from 0 to 2**32 - 1, got {part!r} in {key!r}")
+    words = tuple(int(part) for part in key)
+    return np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, *words), pool_size=seed.pool_size)
+
+
+def generator(seed: np.random.SeedSequence) -> np.random.Generator:
+    """Return a new PCG64 generator at the start of the stream that ``seed`` names."""
+    return np.random.Generator(np.random.PCG64(seed))
+
+
+def kernel_seed(seed: np.random.SeedSequence) -> int:
+    """Return 63 bits of ``seed`` for the small counter-based generators inside kernels.
+
+    One bit is given up so that Numba types every seed as a signed 64-bit integer and compiles only once.
+    """
+    return int(seed.generate_state(1, np.uint64)[0]) >> 1

@@ -1,0 +1,11 @@
+"""Conformance checks that users can run on their own worlds.
+
+A check raises an `AssertionError` whose message begins with the clause that is violated, or returns nothing;
+it needs no test framework. Start with `check_world`.
+"""
+
+from __future__ import annotations
+
+from relforest.testing.worlds import check_world
+
+__all__ = ["check_world"]

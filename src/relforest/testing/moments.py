@@ -1,0 +1,201 @@
+"""The clauses that a world keeps at every moment of an episode; `worlds` says what each clause means."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, TypeGuard, final
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils.env_checker import data_equivalence
+
+from relforest.scenes import Scenes, Schema
+from relforest.smdp import ActionType, Decision, check_decision
+from relforest.support.errors import InputError
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """What a reset or a step returned, and the decision that followed.
+
+    Parameters
+    ----------
+    observation : dict of array
+    info : dict
+    decision : Decision
+    outcome : (reward, terminated, truncated), optional
+        None after a reset.
+    """
+
+    observation: dict[str, Any]
+    info: dict[str, Any]
+    decision: Decision
+    outcome: tuple[Any, Any, Any] | None = None
+
+    @property
+    def is_terminal(self) -> bool:
+        """Whether nothing follows."""
+        return self.outcome is not None and bool(self.outcome[1])
+
+    @property
+    def is_last(self) -> bool:
+        """Whether the episode ended here."""
+        return self.outcome is not None and bool(self.outcome[1] or self.outcome[2])
+
+
+def violation(clause: str, message: str) -> AssertionError:
+    """Return the error that says which clause is violated and how."""
+    return AssertionError(f"{clause}: {message}")
+
+
+def walk(env: gymnasium.Env[Any, Any], seed: int, steps: int) -> Iterator[Moment]:
+    """Take random available actions through as many episodes as needed, then close the environment.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        A world; only its first reset is seeded.
+    seed : int
+        Seed of the environment and of the actions.
+    steps : int
+        Number of steps.
+
+    Yields
+    ------
+    Moment
+        One for every reset and every step.
+    """
+    world: Any = env.unwrapped
+    rng = np.random.default_rng(seed)
+    observation, info = env.reset(seed=seed)
+    moment = Moment(observation, info, world.decision())
+    yield moment
+    for _ in range(steps):
+        if moment.is_last:
+            observation, info = env.reset()
+            moment = Moment(observation, info, world.decision())
+            yield moment
+        position = rng.integers(len(moment.decision))
+        observation, *outcome, info = env.step(moment.decision.indices[position])
+        reward, terminated, truncated = outcome
+        moment = Moment(observation, info, world.decision(), (reward, terminated, truncated))
+        yield moment
+    env.close()
+
+
+def check_moment(
+    moment: Moment, env: gymnasium.Env[Any, Any], schema: Schema, action_types: tuple[ActionType, ...]
+) -> None:
+    """Check all clauses at one moment; `env` is still in the state of the moment.
+
+    Raises
+    ------
+    AssertionError
+        If a clause is violated.
+    """
+    world: Any = env.unwrapped
+    decision = moment.decision
+    try:
+        check_decision(decision, schema, action_types)
+    except InputError as error:
+        raise violation("decision", str(error)) from error
+    if not _same_decision(decision, world.decision()):
+        raise violation("decision", "asking twice gives two different answers")
+    if not len(decision) and not moment.is_terminal:
+        raise violation("decision", "there is no action in a state that is not terminal")
+    _check_mask(moment.info.get("action_mask"), decision, env.action_space)
+    _check_scene(moment.info.get("scene"), decision, schema)
+    _check_observation(moment.observation, env.observation_space, decision, schema)
+    if moment.outcome is not None:
+        _check_step(*moment.outcome, info=moment.info, discount=world.discount)
+
+
+def same_moment(one: Moment, other: Moment) -> bool:
+    """Tell whether two moments are equal, up to entries of ``info`` that the conventions do not name."""
+    return (
+        data_equivalence(one.observation, other.observation, exact=True)
+        and one.outcome == other.outcome
+        and all(one.info.get(name) == other.info.get(name) for name in ("duration", "discounted_reward"))
+        and _same_decision(one.decision, other.decision)
+    )
+
+
+def is_finite(value: object) -> TypeGuard[float]:
+    """Tell whether a value is a finite real number and not a bool."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _same_decision(one: Decision, other: Decision) -> bool:
+    return np.array_equal(one.objects, other.objects, equal_nan=True) and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("types", "arguments", "indices")
+    )
+
+
+def _check_mask(mask: object, decision: Decision, space: gymnasium.Space[Any]) -> None:
+    size = space.n if isinstance(space, spaces.Discrete) else 0
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.int8 or mask.shape != (size,):
+        raise violation(
+            "action_mask", f'info["action_mask"] must be an int8 array of shape ({size},), got {mask!r}'
+        )
+    expected = np.isin(np.arange(size), decision.indices)
+    if not np.array_equal(mask, expected) or expected.sum() < len(decision):
+        raise violation(
+            "action_mask",
+            f"must be 1 exactly at the indices {decision.indices.tolist()} of decision(), is {mask.tolist()}",
+        )
+
+
+def _check_scene(scene: object, decision: Decision, schema: Schema) -> None:
+    if not isinstance(scene, Scenes) or len(scene) != 1:
+        raise violation("scene", f'info["scene"] must be Scenes of length 1, got {scene!r}')
+    if scene.schema != schema:
+        raise violation("scene", f"its schema must be that of the world, {schema}, got {scene.schema}")
+    if not np.array_equal(scene.matrix[scene.objects(0)], decision.objects, equal_nan=True):
+        raise violation("scene", "its objects must be those of decision(), in the same order")
+
+
+def _check_observation(
+    observation: dict[str, Any], space: gymnasium.Space[Any], decision: Decision, schema: Schema
+) -> None:
+    if not space.contains(observation):
+        raise violation("observation", f"{observation!r} lies outside the space {space}")
+    present = np.asarray(observation["mask"]).astype(np.bool_)
+    if present.sum() != decision.n_objects:
+        raise violation(
+            "observation", f"the mask shows {present.sum()} objects, decision() has {decision.n_objects}"
+        )
+    for attribute in schema.attributes:
+        values = np.asarray(observation[attribute.name])
+        objects = decision.objects[:, schema.columns(attribute.name)]
+        if not (np.isnan(objects) | (values[present] == objects.astype(values.dtype))).all():
+            raise violation(
+                "observation", f"{attribute.name!r} must hold the objects of decision(), in the same order"
+            )
+        if values[~present].any():
+            raise violation("observation", f"{attribute.name!r} must be 0 in slots without an object")
+
+
+def _check_step(
+    reward: object, terminated: object, truncated: object, *, info: dict[str, Any], discount: float
+) -> None:
+    for name, flag in (("terminated", terminated), ("truncated", truncated)):
+        if not isinstance(flag, (bool, np.bool_)):
+            raise violation("step", f"{name} must be a bool, got {flag!r}")
+    if not is_finite(reward):
+        raise violation("step", f"the reward must be a finite number, got {reward!r}")
+    duration = info.get("duration")
+    if not is_finite(duration) or duration <= 0:
+        raise violation("step", f'info["duration"] must be a finite number above 0, got {duration!r}')
+    discounted = info.get("discounted_reward", reward)
+    if not is_finite(discounted):
+        raise violation("step", f'info["discounted_reward"] must be a finite number, got {discounted!r}')
+    if discount == 1 and not math.isclose(discounted, reward, rel_tol=1e-9, abs_tol=1e-12):
+        raise violation(
+            "step",
+            f'info["discounted_reward"] is {discounted}, the reward {reward}, though the discount is 1',
+        )

@@ -1,0 +1,130 @@
+"""The conventions of `relforest.smdp` as a check that users can run on their own worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+from gymnasium import spaces
+from gymnasium.utils.env_checker import check_env
+
+from relforest.scenes import Schema
+from relforest.smdp import ActionType, World
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.testing.moments import check_moment, is_finite, same_moment, violation, walk
+
+MakeEnv = Callable[[], gymnasium.Env[Any, Any]]
+
+
+def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
+    """Check that an environment is a world that learners of this library can use.
+
+    Parameters
+    ----------
+    make_env : callable
+        Makes a new environment, wrapped or not, such as ``lambda: gymnasium.make("relforest/Corridor-v0")``.
+    seed : int
+        Seed of the environment and of the actions taken.
+    steps : int
+        Number of steps to take, at least 1; a new episode begins wherever one ends.
+
+    Raises
+    ------
+    InputError
+        If ``make_env`` does not make Gymnasium environments, or an option is out of range.
+    AssertionError
+        If a clause is violated; the message begins with the name of the clause.
+
+    Notes
+    -----
+    The clauses, in the order of checking:
+
+    - ``gymnasium``: Gymnasium's own ``check_env`` passes. It takes actions whatever the mask says, so a step
+      must accept an action that is unavailable (and may then do nothing).
+    - ``world``: ``env.unwrapped`` implements `World`, the schema has no parameters, action types have
+      different names, and the discount is above 0 and at most 1.
+    - ``spaces``: actions are ``Discrete`` from 0; observations are a ``Dict`` of one array (slots, dim) per
+      attribute of the schema, a ``mask`` (slots,), and nothing else.
+    - ``decision``: it suits the schema and the action types, asking twice gives the same answer, and every
+      state that is not terminal offers an action.
+    - ``action_mask``: int8, 1 exactly at the indices of the decision.
+    - ``scene``: `Scenes` of length 1 with the schema of the world and the objects of the decision, in order.
+    - ``observation``: it lies in the space; slots in the mask hold the objects in order, the others hold 0.
+      What stands for an undefined value is left to the world.
+    - ``step``: flags are bool, the reward is finite, ``duration`` is finite and positive,
+      ``discounted_reward`` is finite if present, and equal to the reward where the discount is 1.
+    - ``determinism``: the same seed and the same actions give the same trajectory.
+
+    Examples
+    --------
+    >>> check_world(lambda: gymnasium.make("relforest/Corridor-v0"))
+    """
+    steps, seed = at_least("steps", steps, 1), at_least("seed", seed, 0)
+    _check_gymnasium(_make(make_env))
+    env = _make(make_env)
+    schema, action_types = _check_attributes(env)
+    _check_spaces(env, schema)
+    moments = []
+    for moment in walk(env, seed, steps):
+        check_moment(moment, env, schema, action_types)
+        moments.append(moment)
+    for number, again in enumerate(walk(_make(make_env), seed, steps)):
+        if not same_moment(moments[number], again):
+            raise violation("determinism", f"two runs with the seed {seed} differ at moment {number}")
+
+
+def _make(make_env: MakeEnv) -> gymnasium.Env[Any, Any]:
+    if not callable(make_env):
+        raise InputError(f"make_env must be a function that makes an environment, got {make_env!r}")
+    env = make_env()
+    if not isinstance(env, gymnasium.Env):
+        raise InputError(f"make_env must make a gymnasium.Env, it made {env!r}")
+    return env
+
+
+def _check_gymnasium(env: gymnasium.Env[Any, Any]) -> None:
+    try:
+        check_env(env.unwrapped, skip_render_check=env.unwrapped.spec is None)
+    except Exception as error:
+        raise violation("gymnasium", f"check_env fails: {error}") from error
+    env.close()
+
+
+def _check_attributes(env: gymnasium.Env[Any, Any]) -> tuple[Schema, tuple[ActionType, ...]]:
+    world = env.unwrapped
+    if not isinstance(world, World):
+        raise violation("world", "env.unwrapped must have schema, action_types, discount and decision()")
+    schema, action_types, discount = world.schema, world.action_types, world.discount
+    if not isinstance(schema, Schema) or schema.parameters:
+        raise violation("world", f"schema must be a Schema without parameters, got {schema!r}")
+    typed = isinstance(action_types, tuple) and all(isinstance(entry, ActionType) for entry in action_types)
+    if not typed or not action_types:
+        raise violation("world", f"action_types must be a tuple of ActionType, got {action_types!r}")
+    names = [action_type.name for action_type in action_types]
+    if len(set(names)) < len(names):
+        raise violation("world", f"two action types have the same name: {names}")
+    if not is_finite(discount) or not 0 < discount <= 1:
+        raise violation("world", f"discount must be above 0 and at most 1, got {discount!r}")
+    return schema, action_types
+
+
+def _check_spaces(env: gymnasium.Env[Any, Any], schema: Schema) -> None:
+    actions, observations = env.action_space, env.observation_space
+    if not isinstance(actions, spaces.Discrete) or actions.start != 0:
+        raise violation("spaces", f"the action space must be Discrete and start at 0, got {actions}")
+    if not isinstance(observations, spaces.Dict):
+        raise violation("spaces", f"the observation space must be a Dict, got {observations}")
+    expected = {*schema.names, "mask"}
+    if set(observations) != expected:
+        raise violation("spaces", f"observations must hold {sorted(expected)}, got {sorted(observations)}")
+    mask = observations["mask"].shape
+    if mask is None or len(mask) != 1:
+        raise violation("spaces", f"the mask must have the shape (slots,), got {mask}")
+    for attribute in schema.attributes:
+        shape = observations[attribute.name].shape
+        if shape != (mask[0], attribute.dim):
+            raise violation(
+                "spaces", f"{attribute.name!r} must have the shape {(mask[0], attribute.dim)}, got {shape}"
+            )

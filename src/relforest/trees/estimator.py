@@ -1,0 +1,219 @@
+"""SMRF trees as a scikit-learn classifier of scenes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.utils.validation import check_is_fitted
+
+from relforest.scenes import Scenes
+from relforest.scenes.labels import binary_labels
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.support.rng import RandomState, generator, seed_sequence
+from relforest.trees.growth import Test, TreeSettings, grow
+from relforest.trees.inference import query
+from relforest.trees.nodes import variable_name
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from relforest.trees.growth import Step
+    from relforest.trees.tree import Tree
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Why a scene was predicted as it was.
+
+    Parameters
+    ----------
+    scene : object
+        Identifier of the scene.
+    probability : float
+        Probability of the positive class.
+    leaf : int
+        Ordinal of the deciding leaf.
+    witnesses : dict of str to object
+        Variable -> identifier of the bound object, for the most representative instantiation sequence
+        that reaches the leaf; None where no object was left to bind.
+    densities : tuple of float
+        How typical the witnesses are at each question above the leaf, root first: 1 at the centre of
+        its volume, 0 far away or where the question could not be answered.
+    """
+
+    scene: object
+    probability: float
+    leaf: int
+    witnesses: dict[str, object]
+    densities: tuple[float, ...]
+
+    def __str__(self) -> str:
+        """One line."""
+        bound = ", ".join(f"{name} = {found}" for name, found in self.witnesses.items())
+        return f"scene {self.scene}: probability {self.probability:.2f}, leaf {self.leaf}, {bound or 'no objects'}"
+
+
+@final
+class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+    """Probabilistic, existential decision tree over scenes.
+
+    Parameters
+    ----------
+    test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
+        How a question must prove itself. The likelihood ratio test is the source's and fast, but
+        accepts questions on noise more often than `alpha`; the permutation test keeps its level.
+    alpha : float, default 0.05
+        Significance level.
+    attempts : int, default 1
+        Tries for each possible question.
+    permutations : int, default 99
+        Shuffles of the permutation test.
+    max_points : int, default 500_000
+        Expansions with more points than this are left out; `n_left_out_` counts them.
+    random_state : int, SeedSequence, Generator or None, default None
+        Seed; an integer makes `fit` repeatable.
+    n_jobs : int, default 1
+        Threads for prediction. Nothing depends on it but time.
+
+    Attributes
+    ----------
+    tree_ : Tree
+        The learned tree: ``print(model.tree_)`` tells it in words.
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    steps_ : tuple of Step
+        The accepted questions in the order of learning, with p-values.
+    n_left_out_ : int
+        Expansions left out because of `max_points`.
+
+    References
+    ----------
+    Palmer (2015), chapter 4.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier
+    >>> rng = np.random.default_rng(0)
+    >>> places = rng.uniform(0, 10, size=(60, 3, 2))
+    >>> records = [{"objects": [{"location": place} for place in scene]} for scene in places.tolist()]
+    >>> scenes = Scenes.from_dicts(records)
+    >>> close = [min(np.linalg.norm(scene[i] - scene[i - 1]) for i in range(3)) < 3 for scene in places]
+    >>> model = SMRFTreeClassifier(random_state=0).fit(scenes, close)
+    >>> print(model.tree_)  # doctest: +ELLIPSIS
+    SMRF tree with 1 question and 3 leaves
+    there are A and B such that B is within 3... of A?
+    ...
+    """
+
+    def __init__(
+        self,
+        *,
+        test: Test = "likelihood-ratio",
+        alpha: float = 0.05,
+        attempts: int = 1,
+        permutations: int = 99,
+        max_points: int = 500_000,
+        random_state: RandomState = None,
+        n_jobs: int = 1,
+    ) -> None:
+        self.test = test
+        self.alpha = alpha
+        self.attempts = attempts
+        self.permutations = permutations
+        self.max_points = max_points
+        self.random_state = random_state
+        self.n_jobs = n_jobs
+
+    def fit(self, scenes: Scenes, y: ArrayLike) -> Self:
+        """Learn a tree.
+
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            0/1, -1/+1, booleans or two strings, aligned with ``scenes.scene_ids``.
+
+        Raises
+        ------
+        InputError
+            If the labels do not fit the scenes or have not two classes, or a parameter is out of range.
+        """
+        settings = TreeSettings(
+            test=self.test,
+            alpha=self.alpha,
+            attempts=self.attempts,
+            permutations=self.permutations,
+            max_points=self.max_points,
+        )
+        labels = binary_labels(y, len(_checked(scenes)), what="scenes")
+        growth = grow(
+            scenes, labels.positive, rng=generator(seed_sequence(self.random_state)), settings=settings
+        )
+        self.classes_ = labels.classes
+        self.tree_: Tree = growth.tree
+        self.steps_: tuple[Step, ...] = growth.steps
+        self.n_left_out_: int = growth.n_left_out
+        return self
+
+    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Probability of each class, (n_scenes, 2)."""
+        positive = self._leaf_probabilities()[self.apply(scenes)]
+        return np.column_stack([1.0 - positive, positive])
+
+    def predict(self, scenes: Scenes) -> NDArray[Any]:
+        """Most probable class of each scene, (n_scenes,)."""
+        is_positive = self._leaf_probabilities()[self.apply(scenes)] >= 0.5
+        predicted: NDArray[Any] = self.classes_[is_positive.astype(np.int64)]
+        return predicted
+
+    def apply(self, scenes: Scenes) -> NDArray[np.int64]:
+        """Ordinal of the deciding leaf of each scene, (n_scenes,)."""
+        check_is_fitted(self)
+        return query(self.tree_, _checked(scenes), n_jobs=at_least("n_jobs", self.n_jobs, 1)).leaf
+
+    def explain(self, scenes: Scenes) -> list[Explanation]:
+        """The objects behind each prediction."""
+        check_is_fitted(self)
+        return explain(self.tree_, _checked(scenes))
+
+    def _leaf_probabilities(self) -> NDArray[np.float64]:
+        check_is_fitted(self)
+        return self.tree_.leaf_probabilities
+
+
+def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
+    """The deciding leaf of each scene and its witnesses."""
+    answers = query(tree, scenes)
+    probabilities = tree.leaf_probabilities
+    bound = [tree.n_bound[leaf] for leaf in tree.leaves]
+    explanations = []
+    for i, leaf in enumerate(answers.leaf):
+        witnesses: dict[str, object] = {}
+        for variable in range(bound[leaf]):
+            row = answers.witnesses[i, variable]
+            witnesses[variable_name(variable)] = None if row < 0 else _plain(scenes.object_ids[row])
+        densities = tuple(answers.densities[i, : len(tree.questions_above[leaf])].tolist())
+        explanations.append(
+            Explanation(
+                _plain(scenes.scene_ids[i]), float(probabilities[leaf]), int(leaf), witnesses, densities
+            )
+        )
+    return explanations
+
+
+def _plain(identifier: Any) -> object:
+    """Identifier as a Python value."""
+    return identifier.item() if isinstance(identifier, np.generic) else identifier
+
+
+def _checked(scenes: object) -> Scenes:
+    if not isinstance(scenes, Scenes):
+        msg = f"expected Scenes, got {type(scenes).__name__}: make them with Scenes.from_frame or from_dicts"
+        raise InputError(msg)
+    return scenes

@@ -1,0 +1,70 @@
+"""Which questions may be asked at a leaf (Algorithm 4.1, sections 4.2 and 6.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from relforest.mappings import Mapping
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Expansion:
+    """Zero or more instantiations followed by one question.
+
+    Parameters
+    ----------
+    n_new : int
+        Number of new instantiation nodes.
+    mapping : Mapping
+        Mapping function of the question.
+    variables : tuple of int
+        The variables it takes, in order.
+    """
+
+    n_new: int
+    mapping: Mapping
+    variables: tuple[int, ...]
+
+
+def expansions(
+    mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int, *, most_new: int = 3
+) -> Iterator[Expansion]:
+    """All expansions of a leaf that can lead to different volumes, those with fewer new variables first.
+
+    A question refers to every new variable that ranges over objects; variables that stand for action
+    arguments are exempt, since their objects are already identified (section 6.2). No variable is
+    bound beyond the last one asked about: that would only repeat an expansion with fewer.
+
+    Parameters
+    ----------
+    mappings : tuple of Mapping
+        The catalogue of legal mapping functions.
+    n_bound : int
+        Variables already bound at the leaf.
+    n_parameters : int
+        How many of the first variables stand for action arguments.
+    most_new : int
+        Largest number of new variables that range over objects. More than the largest arity is never
+        needed.
+    """
+    largest_arity = max((mapping.arity for mapping in mappings), default=0)
+    beyond_arguments = max(n_bound, n_parameters)
+    most = beyond_arguments + min(most_new, largest_arity) - n_bound
+    for n_new in range(most + 1):
+        n_variables = n_bound + n_new
+        free = tuple(range(beyond_arguments, n_variables))
+        required = free or ((n_variables - 1,) if n_new else ())
+        others = tuple(variable for variable in range(n_variables) if variable not in required)
+        for mapping in mappings:
+            spare = mapping.arity - len(required)
+            if spare < 0:
+                continue
+            for chosen in combinations(others, spare):
+                for order in mapping.rule.argument_orders((*chosen, *required)):
+                    yield Expansion(n_new, mapping, order)

@@ -1,0 +1,248 @@
+"""Growing a SMRF tree from labelled scenes (Algorithm 4.1)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal, final
+
+import numpy as np
+
+from relforest.mappings import catalogue
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range, one_of
+from relforest.trees.candidates import Candidate, PreparedQuestion, best_candidate, prepare
+from relforest.trees.nodes import Leaf, Question
+from relforest.trees.permutation import permutation_p
+from relforest.trees.probabilities import Assignment, assign, potential
+from relforest.trees.sequences import Sequences, argument_places
+from relforest.trees.significance import sidak
+from relforest.trees.tree import Tree
+from relforest.volumes import CovAggSettings
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes import Scenes
+
+Test = Literal["likelihood-ratio", "permutation"]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TreeSettings:
+    """How a tree is grown.
+
+    Parameters
+    ----------
+    test : {"likelihood-ratio", "permutation"}
+        How an expansion must prove itself. The likelihood ratio test with Sidak correction is the
+        source's. It is anti-conservative, because the volume was fitted to the same scenes: on pure
+        noise it accepts questions far more often than `alpha`. The permutation test repeats the whole
+        search on shuffled labels and keeps its level, at up to `permutations` times the cost.
+    alpha : float
+        Significance level.
+    attempts : int
+        How often each expansion is tried; attempts differ in what covariant aggregation samples.
+    permutations : int
+        Shuffles of the permutation test.
+    max_points : int
+        Expansions that would put more points than this before one question are left out, and counted
+        in `Growth.n_left_out`.
+    covagg : CovAggSettings
+        Parameters of covariant aggregation.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its range.
+    """
+
+    test: Test = "likelihood-ratio"
+    alpha: float = 0.05
+    attempts: int = 1
+    permutations: int = 99
+    max_points: int = 500_000
+    covagg: CovAggSettings = field(default_factory=CovAggSettings)
+
+    def __post_init__(self) -> None:
+        one_of("test", self.test, ("likelihood-ratio", "permutation"))
+        in_range("alpha", self.alpha, 0.0, 1.0, open_low=True, open_high=True)
+        at_least("attempts", self.attempts, 1)
+        at_least("permutations", self.permutations, 1)
+        at_least("max_points", self.max_points, 1)
+        if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0:
+            msg = (
+                f"permutations={self.permutations} can never reach alpha={self.alpha}: "
+                f"use at least {math.ceil(1 / self.alpha) - 1}"
+            )
+            raise InputError(msg)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One accepted expansion.
+
+    Parameters
+    ----------
+    leaf : int
+        Ordinal of the leaf that was expanded.
+    question : str
+        Mapping function asked.
+    p_value : float
+        Of the test in use.
+    gain : float
+        Increase of the log likelihood.
+    n_tried : int
+        Volumes that competed.
+    """
+
+    leaf: int
+    question: str
+    p_value: float
+    gain: float
+    n_tried: int
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Growth:
+    """A grown tree and how it came about.
+
+    Parameters
+    ----------
+    tree : Tree
+    steps : tuple of Step
+        Accepted expansions, in order.
+    n_left_out : int
+        Expansions that were not tried because of `TreeSettings.max_points`.
+    """
+
+    tree: Tree
+    steps: tuple[Step, ...]
+    n_left_out: int
+
+
+def grow(
+    scenes: Scenes,
+    labels: NDArray[np.bool_],
+    *,
+    rng: np.random.Generator,
+    settings: TreeSettings = TreeSettings(),  # noqa: B008 - frozen, so one shared default is safe
+) -> Growth:
+    """Learn a tree that predicts the labels of scenes.
+
+    Parameters
+    ----------
+    scenes : Scenes
+    labels : bool ndarray (n_scenes,)
+        True for scenes that contain an instance of the target concept.
+    rng : Generator
+        Source of all sampling.
+    settings : TreeSettings
+
+    Returns
+    -------
+    Growth
+        Its tree is a stub if no question proves itself, in particular if all labels are equal.
+
+    Raises
+    ------
+    InputError
+        If there are no scenes, or not one label for each.
+
+    Notes
+    -----
+    The source ends as soon as the most promising leaf cannot be expanded. Here that leaf is closed
+    and the next one tried, so that one barren leaf does not keep the others from being refined.
+
+    References
+    ----------
+    Palmer (2015), Algorithm 4.1, section 4.2; section 6.2 for action arguments.
+    """
+    if len(scenes) == 0 or labels.shape != (len(scenes),):
+        msg = f"pass at least one scene and one label for each: got {len(scenes)} and {labels.shape}"
+        raise InputError(msg)
+    state = _State(
+        Tree.stub(scenes.schema, Leaf(0.0, 0, 0)),
+        (Sequences.empty(len(scenes)),),
+        np.ones((1, len(scenes)), dtype=np.bool_),
+        (True,),
+    )
+    places, mappings = argument_places(scenes), catalogue(scenes.schema)
+    steps: list[Step] = []
+    n_left_out = 0
+    while True:
+        assignment = assign(state.presence, labels)
+        leaf = _most_promising(state, labels, assignment)
+        if leaf is None:
+            break
+        questions, left_out = prepare(scenes, places, state.sequences[leaf], mappings, settings.max_points)
+        n_left_out += left_out
+        context = (state.presence, leaf, assignment)
+        found = best_candidate(questions, labels, context, settings, rng)
+        p_value = None if found is None else _tested(found, questions, labels, context, settings, rng)
+        if found is None or p_value is None:
+            state = state.closed(leaf)
+            continue
+        asked = found.question.expansion.mapping.name
+        steps.append(Step(leaf, asked, p_value, found.gain, found.n_tried))
+        state = state.expanded(leaf, found)
+    leaves = [
+        Leaf(float(p), int(negatives), int(positives))
+        for p, (negatives, positives) in zip(assignment.probability, assignment.counts, strict=True)
+    ]
+    return Growth(state.tree.with_leaves(leaves), tuple(steps), n_left_out)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _State:
+    """A tree in the making: what has arrived at each leaf, and which leaves may still be expanded."""
+
+    tree: Tree
+    sequences: tuple[Sequences, ...]
+    presence: NDArray[np.bool_]  # (n_leaves, n_scenes)
+    is_open: tuple[bool, ...]
+
+    def closed(self, leaf: int) -> _State:
+        """The same tree, its leaf not to be tried again."""
+        return replace(self, is_open=(*self.is_open[:leaf], False, *self.is_open[leaf + 1 :]))
+
+    def expanded(self, leaf: int, found: Candidate) -> _State:
+        """The tree with a leaf replaced by the candidate's question."""
+        expansion = found.question.expansion
+        node = Question(expansion.mapping, expansion.variables, found.volume, 0, 0, 0)
+        parts = found.question.partition(found.volume)
+        return _State(
+            self.tree.expanded(leaf, expansion.n_new, node),
+            (*self.sequences[:leaf], *parts, *self.sequences[leaf + 1 :]),
+            np.vstack([self.presence[:leaf], found.presence, self.presence[leaf + 1 :]]),
+            (*self.is_open[:leaf], True, True, True, *self.is_open[leaf + 1 :]),
+        )
+
+
+def _most_promising(state: _State, labels: NDArray[np.bool_], assignment: Assignment) -> int | None:
+    """Open leaf with the highest potential; None if none could raise the likelihood."""
+    best, highest = None, assignment.log_likelihood + 1e-9
+    for leaf in np.flatnonzero(state.presence.any(axis=1) & state.is_open):
+        value = potential(state.presence, labels, assignment.winner, int(leaf))
+        if value > highest:
+            best, highest = int(leaf), value
+    return best
+
+
+def _tested(
+    found: Candidate,
+    questions: list[PreparedQuestion],
+    labels: NDArray[np.bool_],
+    context: tuple[NDArray[np.bool_], int, Assignment],
+    settings: TreeSettings,
+    rng: np.random.Generator,
+) -> float | None:
+    """P-value of the best candidate if it is significant, else None."""
+    if settings.test == "permutation":
+        p_value = permutation_p(found, questions, labels, context, settings, rng)
+        return p_value if p_value <= settings.alpha else None
+    return found.p_value if found.p_value < sidak(settings.alpha, found.n_tried) else None

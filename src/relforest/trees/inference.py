@@ -1,0 +1,90 @@
+"""Asking a tree about scenes: deciding leaf, densities, witnesses."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from relforest.support.errors import InputError
+from relforest.trees.kernels import query_batch, query_work
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes import Scenes
+    from relforest.trees.tree import Tree
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Answers:
+    """What a tree says about each of n scenes.
+
+    Parameters
+    ----------
+    leaf : int64 ndarray (n,)
+        Ordinal of the deciding leaf, the most probable one that an instantiation sequence reaches.
+    densities : ndarray (n, tree.depth)
+        Density, relative to its peak, at each question above that leaf, root first, for the most
+        representative sequence; 0 where the answer was Error and beyond the branch.
+    witnesses : int64 ndarray (n, tree.n_variables)
+        Object rows of that sequence, -1 = no object.
+
+    References
+    ----------
+    Palmer (2015), section 4.1 for the leaf, section 6.4 for the representative sequence.
+    """
+
+    leaf: NDArray[np.int64]
+    densities: NDArray[np.float64]
+    witnesses: NDArray[np.int64]
+
+
+def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
+    """Ask a tree about every scene of a batch.
+
+    Parameters
+    ----------
+    tree : Tree
+    scenes : Scenes
+        n scenes of the tree's schema.
+    n_jobs : int
+        Threads; the kernel releases the GIL. The answers do not depend on it.
+
+    Raises
+    ------
+    InputError
+        If the scenes have another schema.
+    """
+    if scenes.schema != tree.schema:
+        msg = f"the tree is for scenes with {tree.schema}, these have {scenes.schema}"
+        raise InputError(msg)
+    n = len(scenes)
+    packed = tree.packed
+    out = (
+        np.empty(n, dtype=np.int64),
+        np.empty((n, packed.n_asked)),
+        np.empty((n, packed.n_variables), dtype=np.int64),
+    )
+
+    def answer(begin: int, end: int) -> None:
+        part = slice(begin, end)
+        query_batch(
+            packed.nodes,
+            packed.numbers,
+            scenes.matrix,
+            (scenes.rows, scenes.starts[part], scenes.counts[part], scenes.arguments[part]),
+            query_work(packed.n_variables, packed.n_asked, packed.n_dims),
+            (out[0][part], out[1][part], out[2][part]),
+        )
+
+    bounds = np.linspace(0, n, max(n_jobs, 1) + 1).astype(int)
+    if n_jobs == 1:
+        answer(0, n)
+    else:
+        with ThreadPoolExecutor(n_jobs) as pool:
+            list(pool.map(answer, bounds[:-1], bounds[1:]))
+    return Answers(*out)

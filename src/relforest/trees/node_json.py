@@ -1,0 +1,66 @@
+"""JSON form of single nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from relforest.mappings import Mapping
+from relforest.support.errors import ModelFormatError
+from relforest.trees.nodes import Instantiation, Leaf, Node, Question
+from relforest.volumes import volume_from_dict
+
+if TYPE_CHECKING:
+    from relforest.scenes import Schema
+
+
+def node_to_dict(node: Node) -> dict[str, Any]:
+    """Plain dictionary of a node."""
+    match node:
+        case Leaf():
+            return {
+                "kind": "leaf",
+                "probability": node.probability,
+                "negatives": node.negatives,
+                "positives": node.positives,
+            }
+        case Instantiation(child):
+            return {"kind": "instantiation", "child": child}
+        case Question():
+            return {
+                "kind": "question",
+                "operation": node.mapping.operation,
+                "attribute": node.mapping.attribute.name,
+                "variables": list(node.variables),
+                "volume": node.volume.to_dict(),
+                "yes": node.yes,
+                "no": node.no,
+                "error": node.error,
+            }
+
+
+def node_from_dict(document: dict[str, Any], schema: Schema) -> Node:
+    """Inverse of `node_to_dict`; anything malformed raises one of the errors `Tree.from_dict` expects."""
+    kind = document["kind"]
+    if kind == "leaf":
+        counts = [_whole(document[key]) for key in ("negatives", "positives")]
+        probability = float(document["probability"])
+        if not 0.0 <= probability <= 1.0 or min(counts) < 0:
+            msg = f"malformed leaf: probability {probability}, counts {counts}"
+            raise ModelFormatError(msg)
+        return Leaf(probability, *counts)
+    if kind == "instantiation":
+        return Instantiation(_whole(document["child"]))
+    if kind == "question":
+        mapping = Mapping(document["operation"], schema[document["attribute"]])
+        variables = tuple(_whole(variable) for variable in document["variables"])
+        links = [_whole(document[answer]) for answer in ("yes", "no", "error")]
+        return Question(mapping, variables, volume_from_dict(document["volume"]), *links)
+    msg = f"unknown node kind {kind!r}: expected leaf, instantiation or question"
+    raise ModelFormatError(msg)
+
+
+def _whole(value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        msg = f"expected a whole number, got {value!r}"
+        raise ModelFormatError(msg)
+    return value

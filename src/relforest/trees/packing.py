@@ -1,0 +1,108 @@
+"""A tree as two arrays, the form in which kernels read it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from relforest.trees.nodes import Instantiation, Leaf, Node, Question, children
+from relforest.volumes import Ellipsoid
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes import Schema
+    from relforest.volumes import Volume
+
+LEAF: Final = 0
+INSTANTIATION: Final = 1
+QUESTION: Final = 2
+
+KIND: Final = 0
+OPERATION: Final = 1  # code of the mapping's operation
+CIRCULAR: Final = 2  # 1 if the codomain is the circle
+FIRST: Final = 3  # first column of the attribute
+ATTRIBUTE_DIM: Final = 4
+DIM: Final = 5  # dimension of the codomain
+VARIABLES: Final = 6  # three columns, -1 = unused
+CHILDREN: Final = 9  # three columns: yes, no, error; an instantiation's child in the first
+VOLUME: Final = 12  # where the volume begins in `numbers`
+RANK: Final = 13  # rank of the most probable leaf at or below this node, 0 = most probable of the tree
+ORDINAL: Final = 14  # a leaf's place among the leaves
+N_COLUMNS: Final = 15
+
+
+class PackedTree(NamedTuple):
+    """One row of `nodes` per node, in the tree's order, and the volumes' numbers end to end.
+
+    A volume is stored as squared radius, sharpness of the density, mean (d), precision (d * d).
+    """
+
+    nodes: NDArray[np.int64]  # (n_nodes, N_COLUMNS)
+    numbers: NDArray[np.float64]  # (n_numbers,)
+    n_variables: int
+    n_asked: int  # most questions on a branch
+    n_dims: int  # largest dimension of a codomain
+
+
+def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
+    """Pack the nodes of a tree."""
+    table = np.full((len(nodes), N_COLUMNS), -1, dtype=np.int64)
+    numbers: list[NDArray[np.float64]] = []
+    bound, asked = np.zeros(len(nodes), dtype=np.int64), np.zeros(len(nodes), dtype=np.int64)
+    used, ordinal = 0, 0
+    for i, node in enumerate(nodes):
+        row = table[i]
+        for answer, child in enumerate(children(node)):
+            row[CHILDREN + answer] = child
+            bound[child] = bound[i] + isinstance(node, Instantiation)
+            asked[child] = asked[i] + isinstance(node, Question)
+        match node:
+            case Leaf():
+                row[KIND], row[ORDINAL] = LEAF, ordinal
+                ordinal += 1
+            case Instantiation():
+                row[KIND] = INSTANTIATION
+            case Question():
+                _pack_question(schema, node, row)
+                row[VOLUME] = used
+                numbers.append(_volume_numbers(node.volume))
+                used += len(numbers[-1])
+    _rank(nodes, table)
+    return PackedTree(
+        table,
+        np.concatenate(numbers) if numbers else np.empty(0),
+        int(bound.max()),
+        int(asked.max()),
+        max((node.mapping.dim for node in nodes if isinstance(node, Question)), default=1),
+    )
+
+
+def _pack_question(schema: Schema, node: Question, row: NDArray[np.int64]) -> None:
+    attribute = node.mapping.attribute
+    row[KIND] = QUESTION
+    row[OPERATION] = node.mapping.rule.code
+    row[CIRCULAR] = node.mapping.space == "circle"
+    row[FIRST] = schema.offset(attribute.name)
+    row[ATTRIBUTE_DIM] = attribute.dim
+    row[DIM] = node.mapping.dim
+    row[VARIABLES : VARIABLES + len(node.variables)] = node.variables
+
+
+def _volume_numbers(volume: Volume) -> NDArray[np.float64]:
+    if isinstance(volume, Ellipsoid):
+        head = [volume.radius**2, volume.density_sharpness]
+        return np.concatenate([head, volume.mean, volume.precision.ravel()])
+    return np.array([volume.radius**2, volume.kappa, volume.mean, 1.0])
+
+
+def _rank(nodes: tuple[Node, ...], table: NDArray[np.int64]) -> None:
+    leaves = [i for i, node in enumerate(nodes) if isinstance(node, Leaf)]
+    probabilities = [node.probability for node in nodes if isinstance(node, Leaf)]
+    for rank, place in enumerate(np.argsort(-np.array(probabilities), kind="stable")):
+        table[leaves[place], RANK] = rank
+    for i in range(len(nodes) - 1, -1, -1):
+        below = children(nodes[i])
+        if below:
+            table[i, RANK] = min(table[child, RANK] for child in below)

@@ -1,0 +1,44 @@
+"""Whether an expansion improves a tree by more than chance (section 4.2)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scipy.special import gammaincc
+
+if TYPE_CHECKING:
+    from relforest.mappings import Mapping
+
+
+def added_parameters(mapping: Mapping, *, has_errors: bool) -> int:
+    """Degrees of freedom that a question adds to a tree.
+
+    The volume's centre, its shape and size (on the circle just its width), and the probabilities of
+    one or two more leaves. The source names no count; this is the natural one for a codomain of
+    dimension d, and instantiation nodes are free.
+
+    Examples
+    --------
+    >>> from relforest import Attribute
+    >>> from relforest.mappings import Mapping
+    >>> added_parameters(Mapping("difference", Attribute("location", 2)), has_errors=False)
+    6
+    """
+    dim = mapping.dim
+    shape = 1 if mapping.space == "circle" else dim * (dim + 1) // 2
+    return dim + shape + (2 if has_errors else 1)
+
+
+def likelihood_ratio_p(gain: float, n_parameters: int) -> float:
+    """P-value of a gain in log likelihood under the chi-square law of the likelihood ratio test."""
+    return float(gammaincc(n_parameters / 2.0, max(gain, 0.0)))
+
+
+def sidak(alpha: float, n_tests: int) -> float:
+    """Level of each of `n_tests` tests for a family-wise level `alpha`.
+
+    References
+    ----------
+    Palmer (2015), section 3.3.3.
+    """
+    return float(1.0 - (1.0 - alpha) ** (1.0 / n_tests))

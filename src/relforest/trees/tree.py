@@ -1,0 +1,158 @@
+"""A SMRF tree as an immutable value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final, final
+
+import numpy as np
+
+from relforest.scenes import Schema
+from relforest.support.errors import ModelFormatError
+from relforest.support.files import check_document
+from relforest.trees.node_json import node_from_dict, node_to_dict
+from relforest.trees.nodes import Instantiation, Leaf, Node, Question, shifted
+from relforest.trees.packing import PackedTree, pack
+from relforest.trees.structure import check_structure
+from relforest.trees.text import describe
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+FORMAT: Final = "relforest-tree"
+VERSION: Final = 1
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Tree:
+    """A probabilistic, existential decision tree over scenes.
+
+    Parameters
+    ----------
+    schema : Schema
+        Attributes and action arguments of the scenes it is for. The first ``schema.n_parameters``
+        variables of every branch are bound to the arguments.
+    nodes : tuple of Node
+        In depth-first order (Yes, No, Error); node 0 is the root, and a child stands behind its parent.
+
+    Raises
+    ------
+    InputError
+        If the nodes do not form a tree in that order, or a question uses a variable that is not bound.
+
+    References
+    ----------
+    Palmer (2015), section 4.1.
+    """
+
+    schema: Schema
+    nodes: tuple[Node, ...]
+    leaves: tuple[int, ...] = field(init=False)
+    """Node index of each leaf, in depth-first order. A leaf's place here is its ordinal."""
+    questions_above: tuple[tuple[int, ...], ...] = field(init=False)
+    """For each leaf the node indices of the questions above it, root first."""
+    n_bound: tuple[int, ...] = field(init=False)
+    """Number of variables bound at each node."""
+    packed: PackedTree = field(init=False)
+    """The tree as arrays, for kernels."""
+
+    def __post_init__(self) -> None:
+        bound, above = check_structure(self.schema, self.nodes)
+        leaves = tuple(i for i, node in enumerate(self.nodes) if isinstance(node, Leaf))
+        object.__setattr__(self, "leaves", leaves)
+        object.__setattr__(self, "questions_above", tuple(above[leaf] for leaf in leaves))
+        object.__setattr__(self, "n_bound", tuple(bound))
+        object.__setattr__(self, "packed", pack(self.schema, self.nodes))
+
+    @classmethod
+    def stub(cls, schema: Schema, leaf: Leaf) -> Tree:
+        """Tree of a single leaf."""
+        return cls(schema, (leaf,))
+
+    @property
+    def n_variables(self) -> int:
+        """Largest number of variables that a branch binds."""
+        return max(self.n_bound)
+
+    @property
+    def n_leaves(self) -> int:
+        """Number of leaves."""
+        return len(self.leaves)
+
+    @property
+    def is_stub(self) -> bool:
+        """Whether there is only a leaf, so that no distinction is made."""
+        return self.n_leaves == 1
+
+    @property
+    def depth(self) -> int:
+        """Largest number of questions on a branch."""
+        return max(len(above) for above in self.questions_above)
+
+    @property
+    def leaf_probabilities(self) -> NDArray[np.float64]:
+        """Probability of each leaf, (n_leaves,)."""
+        return np.array([node.probability for node in self.nodes if isinstance(node, Leaf)])
+
+    def with_leaves(self, leaves: Sequence[Leaf]) -> Tree:
+        """Same tree with other leaves, given in leaf order."""
+        nodes = list(self.nodes)
+        for index, leaf in zip(self.leaves, leaves, strict=True):
+            nodes[index] = leaf
+        return Tree(self.schema, tuple(nodes))
+
+    def expanded(self, leaf: int, n_new: int, question: Question) -> Tree:
+        """Tree with a leaf replaced by instantiations and a question with three leaves below.
+
+        Parameters
+        ----------
+        leaf : int
+            Ordinal of the leaf.
+        n_new : int
+            Number of instantiation nodes before the question.
+        question : Question
+            Its child indices are ignored.
+        """
+        at = self.leaves[leaf]
+        asked = at + n_new
+        subtree = (
+            *(Instantiation(at + i + 1) for i in range(n_new)),
+            replace(question, yes=asked + 1, no=asked + 2, error=asked + 3),
+            *(self.nodes[at],) * 3,
+        )
+        nodes = [shifted(node, at, len(subtree) - 1) for node in self.nodes]
+        return Tree(self.schema, (*nodes[:at], *subtree, *nodes[at + 1 :]))
+
+    def __str__(self) -> str:
+        """The tree in words."""
+        return describe(self.schema, self.nodes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON form, with format name and version."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "schema": self.schema.to_dict(),
+            "nodes": [node_to_dict(node) for node in self.nodes],
+        }
+
+    @classmethod
+    def from_dict(cls, document: object) -> Tree:
+        """Inverse of `to_dict`.
+
+        Raises
+        ------
+        ModelFormatError
+            If the document is not a well-formed tree of a version this library knows.
+        """
+        checked = check_document(document, format=FORMAT, version=VERSION, origin="tree")
+        try:
+            schema = Schema.from_dict(checked["schema"])
+            nodes = tuple(node_from_dict(node, schema) for node in checked["nodes"])
+            return cls(schema, nodes)
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            msg = f"malformed tree: {error!r}"
+            raise ModelFormatError(msg) from error

@@ -1,0 +1,26 @@
+"""Decision volumes and how they are learned from labelled bags of points (Palmer 2015, chapter 3).
+
+`aggregate` is covariant aggregation, one implementation for bag classifiers and for the questions
+of SMRF trees; it returns an `Ellipsoid`, or an `Arc` where the points are angles. The compiled parts
+are, in reading order: `bag_layout`, `conditioning`, `witnesses`, `models`, `objectives`, `cuts`,
+`aggregation`.
+"""
+
+from __future__ import annotations
+
+from relforest.volumes.arc import Arc
+from relforest.volumes.covagg import Aggregation, CovAggSettings, aggregate
+from relforest.volumes.ellipsoid import Ellipsoid
+from relforest.volumes.objectives import Objective
+from relforest.volumes.volume import Volume, volume_from_dict
+
+__all__ = [
+    "Aggregation",
+    "Arc",
+    "CovAggSettings",
+    "Ellipsoid",
+    "Objective",
+    "Volume",
+    "aggregate",
+    "volume_from_dict",
+]

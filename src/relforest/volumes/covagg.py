@@ -1,0 +1,198 @@
+"""Covariant aggregation: one ellipsoid (or arc) learned from labelled bags (Algorithm 3.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, final
+
+import numpy as np
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range
+from relforest.volumes.aggregation import Problem, aggregate_keys
+from relforest.volumes.arc import Arc
+from relforest.volumes.bag_layout import slot_major
+from relforest.volumes.conditioning import condition
+from relforest.volumes.ellipsoid import Ellipsoid
+from relforest.volumes.models import BEST, COUNT, SCORE
+from relforest.volumes.objectives import OBJECTIVES, Objective, entropy_table
+from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.volumes.volume import Volume
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CovAggSettings:
+    """Parameters of covariant aggregation; the defaults are those of section 3.3.
+
+    Parameters
+    ----------
+    window : int
+        A, the number of aggregation steps over which progress is judged.
+    prior_weight : float
+        w of eq. 3.5.
+    max_condition : float
+        c of eq. 3.6.
+    restarts : int
+        N, the number of positive bags to start from.
+    sampled : int
+        M, the number of bags tried at each aggregation step.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its range.
+    """
+
+    window: int = 8
+    prior_weight: float = 0.1
+    max_condition: float = 1e5
+    restarts: int = 4
+    sampled: int = 4
+
+    def __post_init__(self) -> None:
+        at_least("window", self.window, 2)
+        in_range("prior_weight", self.prior_weight, 0.0, np.inf, open_low=True, open_high=True)
+        in_range("max_condition", self.max_condition, 1.0, np.inf, open_low=True, open_high=True)
+        at_least("restarts", self.restarts, 1)
+        at_least("sampled", self.sampled, 1)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Aggregation:
+    """What covariant aggregation found.
+
+    Parameters
+    ----------
+    volume : Ellipsoid or Arc
+        The best decision volume of all steps and restarts.
+    score : float
+        Its objective on the training bags: the number of correctly labelled bags, or log L.
+    n_models : int
+        How many volumes were tried.
+    """
+
+    volume: Volume
+    score: float
+    n_models: int
+
+
+def aggregate(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    *,
+    rng: np.random.Generator,
+    space: Literal["euclidean", "circle"] = "euclidean",
+    objective: Objective = "accuracy",
+    settings: CovAggSettings = CovAggSettings(),  # noqa: B008 - frozen, so one shared default is safe
+) -> Aggregation | None:
+    """Learn the decision volume that best separates positive from negative bags.
+
+    Parameters
+    ----------
+    points : ndarray (n_points, d)
+        Instances, grouped by bag; angles (n_points, 1) in radians if `space` is "circle".
+    starts : int64 ndarray (n_bags + 1,)
+        Bag i holds ``points[starts[i]:starts[i + 1]]``; no bag is empty.
+    labels : bool ndarray (n_bags,)
+        True for positive bags.
+    rng : Generator
+        Source of the sampled bags.
+    space, objective, settings
+        Where the points live, what a volume is scored by, and the parameters.
+
+    Returns
+    -------
+    Aggregation or None
+        None if no volume separates anything: there is no positive bag, or, for the log-likelihood,
+        no volume whose Yes leaf would be more probable than its No leaf.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit together, a bag is empty or a value is not finite.
+
+    Notes
+    -----
+    Where the source is silent: start bags are drawn without replacement; the smallest of equally
+    good radii is taken, midway between two witnesses; aggregation ends when no witness of an
+    unrepresented bag lies inside; the trend is extrapolated from its fitted end.
+
+    References
+    ----------
+    Palmer (2015), Algorithm 3.1, section 3.2, eq. 3.4-3.7; section 4.2 for the likelihood objective.
+    """
+    _check(points, starts, labels)
+    n_positive = int(np.count_nonzero(labels))
+    if n_positive == 0:
+        return None
+    in_positive = np.repeat(labels, np.diff(starts))
+    circular = space == "circle"
+    prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
+    problem = Problem(
+        CIRCLE if circular else EUCLIDEAN,
+        OBJECTIVES[objective],
+        prior,
+        float(settings.max_condition),
+        entropy_table(len(labels)),
+        (settings.window, settings.restarts, settings.sampled),
+    )
+    draws = rng.random(settings.restarts * (1 + settings.sampled * n_positive))
+    layout, positives = slot_major(points, starts, labels)
+    models, radius, n_models = aggregate_keys(layout, positives, problem, draws)
+    score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
+    if score == -np.inf:
+        return None
+    if circular:
+        kappa = _concentration(models.means[BEST], points[in_positive], n_keys, settings.prior_weight)
+        volume: Volume = Arc(float(models.centres[BEST, 0]), radius, kappa)
+    else:
+        covariance = models.scatters[BEST] + prior
+        condition(covariance, settings.max_condition)
+        volume = Ellipsoid(models.means[BEST].copy(), covariance, radius, n_keys, settings.prior_weight)
+    return Aggregation(volume, score, n_models)
+
+
+def _check(points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_]) -> None:
+    if points.ndim != 2 or len(starts) != len(labels) + 1 or len(labels) == 0:
+        msg = (
+            f"points {points.shape}, starts {starts.shape} and labels {labels.shape} do not fit together: "
+            "pass (n_points, d), (n_bags + 1,) and (n_bags,)"
+        )
+        raise InputError(msg)
+    if starts[0] != 0 or starts[-1] != len(points) or (np.diff(starts) <= 0).any():
+        msg = "starts must rise from 0 to the number of points, with no empty bag: drop empty bags first"
+        raise InputError(msg)
+    if not np.isfinite(points).all():
+        msg = "points hold NaN or infinite values: drop those instances first"
+        raise InputError(msg)
+
+
+def _spread(points: NDArray[np.float64], *, circular: bool) -> NDArray[np.float64]:
+    """``ncov(P) / p`` of eq. 3.5; the circle has no covariance."""
+    if circular:
+        return np.zeros((1, 1))
+    centred = points - points.mean(axis=0)
+    spread: NDArray[np.float64] = centred.T @ centred / len(points)
+    return spread
+
+
+def _concentration(
+    key_mean: NDArray[np.float64], angles: NDArray[np.float64], n_keys: int, prior_weight: float
+) -> float:
+    """Kappa of the von Mises density, with a prior that plays the part of w in eq. 3.5.
+
+    The circular variance of the keys is averaged with that of all positive points, and kappa follows
+    from the mean resultant length by the usual approximation (Mardia, 1975).
+    """
+    spread_keys = 1.0 - float(np.hypot(*key_mean))
+    spread_all = 1.0 - float(np.hypot(np.cos(angles).mean(), np.sin(angles).mean()))
+    spread = (n_keys * spread_keys + prior_weight * spread_all) / (n_keys + prior_weight)
+    length = min(max(1.0 - spread, 0.0), 1.0 - 1e-9)
+    return length * (2.0 - length**2) / (1.0 - length**2)

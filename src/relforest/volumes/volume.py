@@ -1,0 +1,30 @@
+"""What every decision volume can do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from relforest.support.errors import ModelFormatError
+from relforest.volumes.arc import Arc
+from relforest.volumes.ellipsoid import Ellipsoid
+
+Volume = Ellipsoid | Arc
+
+
+def volume_from_dict(document: object) -> Volume:
+    """Volume from its JSON form.
+
+    Raises
+    ------
+    ModelFormatError
+        If the document is no volume.
+    """
+    if not isinstance(document, dict):
+        msg = f"malformed volume: expected an object, got {type(document).__name__}"
+        raise ModelFormatError(msg)
+    shapes: dict[Any, type[Ellipsoid] | type[Arc]] = {"ellipsoid": Ellipsoid, "arc": Arc}
+    shape = document.get("shape")
+    if not isinstance(shape, str) or shape not in shapes:
+        msg = f"unknown volume shape {shape!r}: expected one of {', '.join(shapes)}"
+        raise ModelFormatError(msg)
+    return shapes[shape].from_dict(document)

@@ -1,0 +1,48 @@
+"""The names of the worlds, and their registration with Gymnasium."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+import gymnasium
+
+from relforest.support.options import one_of
+
+ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType({"corridor": "relforest/Corridor-v0"})
+"""Name of a world, as the command line has it -> its identifier for ``gymnasium.make``."""
+
+_ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
+    {"relforest/Corridor-v0": "relforest.worlds.corridor.env:CorridorEnv"}
+)
+
+
+def environment_id(world: str) -> str:
+    """Return the Gymnasium identifier of a world.
+
+    Parameters
+    ----------
+    world : str
+        A key of `ENVIRONMENT_IDS`, such as ``"corridor"``.
+
+    Raises
+    ------
+    InputError
+        If there is no such world; the message lists those that exist.
+    """
+    return ENVIRONMENT_IDS[one_of("world", world, tuple(ENVIRONMENT_IDS))]
+
+
+def register_worlds() -> None:
+    """Make every world known to ``gymnasium.make``; worlds that it knows already are left alone.
+
+    Importing this module does it, and importing `relforest` imports this module: therefore
+    ``gymnasium.make("relforest:relforest/Corridor-v0")`` works before any import.
+    """
+    for identifier, entry_point in _ENTRY_POINTS.items():
+        if identifier not in gymnasium.registry:
+            gymnasium.register(identifier, entry_point=entry_point)
+
+
+register_worlds()

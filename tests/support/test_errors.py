@@ -1,0 +1,17 @@
+from __future__ import annotations
+
+import pytest
+
+from relforest.support.errors import InputError, ModelFormatError, RelforestError, RunFolderError
+
+
+@pytest.mark.parametrize(
+    ("error", "builtin"),
+    [(InputError, ValueError), (ModelFormatError, ValueError), (RunFolderError, RuntimeError)],
+)
+def test_every_error_can_be_caught_as_ours_or_as_the_builtin(
+    error: type[RelforestError], builtin: type[Exception]
+) -> None:
+    for kind in (RelforestError, builtin):
+        with pytest.raises(kind, match="the reason"):
+            raise error("the reason")

@@ -1,0 +1,387 @@
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import stat
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from relforest.support import files
+from relforest.support.errors import InputError, ModelFormatError
+
+HEAD = {"format": "relforest-tree", "version": 1}
+
+scalars = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)
+texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+documents = st.dictionaries(
+    texts,
+    st.recursive(
+        scalars | texts, lambda inner: st.lists(inner) | st.dictionaries(texts, inner), max_leaves=8
+    ),
+)
+
+
+def read(path: Path, **options: int) -> dict[str, Any]:
+    return files.read_json(path, format="relforest-tree", version=2, **options)
+
+
+def names_in(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_written_bytes_are_read_back_and_replace_what_was_there(tmp_path: Path) -> None:
+    target = tmp_path / "a" / "b" / "model.bin"
+    files.write_bytes(target, b"old, and longer")
+    files.write_bytes(target, b"new")
+
+    assert target.read_bytes() == b"new"
+    assert names_in(target.parent) == ["model.bin"]
+
+
+@pytest.mark.parametrize("fault", ["os.fsync", "pathlib.Path.replace"])
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_a_failure_before_the_rename_keeps_the_old_file_and_leaves_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str, error: BaseException
+) -> None:
+    target = tmp_path / "model.json"
+    files.write_text(target, "old")
+
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(fault, fail)
+    with pytest.raises(type(error)):
+        files.write_text(target, "new")
+
+    assert target.read_text() == "old"
+    assert names_in(tmp_path) == ["model.json"]
+
+
+def test_the_temporary_file_lies_beside_its_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    renamed = []
+    rename = Path.replace
+
+    def record(self: Path, target: Path) -> Path:
+        renamed.append((self, self.read_bytes()))
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "replace", record)
+    files.write_bytes(tmp_path / "model.bin", b"whole")
+
+    ((temporary, content),) = renamed
+    assert temporary.parent == tmp_path
+    assert content == b"whole"
+
+
+def test_a_folder_that_cannot_be_flushed_costs_only_durability(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flush = os.fsync
+
+    def refuse_folders(descriptor: int) -> None:
+        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
+            raise OSError(22, "Invalid argument")
+        flush(descriptor)
+
+    monkeypatch.setattr("os.fsync", refuse_folders)
+    files.write_text(tmp_path / "note", "kept")
+
+    assert (tmp_path / "note").read_text() == "kept"
+
+
+def test_writing_over_a_folder_fails_and_leaves_it(tmp_path: Path) -> None:
+    (tmp_path / "model" / "inner").mkdir(parents=True)
+
+    with pytest.raises(OSError, match="model"):
+        files.write_text(tmp_path / "model", "text")
+
+    assert names_in(tmp_path) == ["model"]
+
+
+def test_a_link_keeps_pointing_to_the_file_it_named(tmp_path: Path) -> None:
+    (tmp_path / "store").mkdir()
+    link = tmp_path / "latest.json"
+    link.symlink_to(tmp_path / "store" / "1.json")
+    files.write_text(link, "content")
+
+    assert link.is_symlink()
+    assert (tmp_path / "store" / "1.json").read_text() == "content"
+
+
+def test_json_is_indented_ordered_and_ends_its_last_line(tmp_path: Path) -> None:
+    files.write_json(
+        tmp_path / "model.json", {"version": 1, "format": "x", "name": "Zürich", "list": [1, 2.5]}
+    )
+
+    assert (tmp_path / "model.json").read_bytes().decode("utf-8") == (
+        '{\n "version": 1,\n "format": "x",\n "name": "Zürich",\n "list": [\n  1,\n  2.5\n ]\n}\n'
+    )
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_json_refuses_numbers_that_are_not_finite(tmp_path: Path, value: float) -> None:
+    with pytest.raises(InputError, match=r"model\.json cannot be written as JSON: "):
+        files.write_json(tmp_path / "model.json", {"radius": value})
+
+    assert names_in(tmp_path) == []
+
+
+@given(document=documents)
+def test_json_written_is_json_read(
+    tmp_path_factory: pytest.TempPathFactory, document: dict[str, Any]
+) -> None:
+    path = tmp_path_factory.mktemp("json") / "model.json"
+    whole = {**document, **HEAD}
+    files.write_json(path, whole)
+
+    assert read(path) == whole
+    assert list(read(path)) == list(whole)
+
+
+def nested(depth: int) -> str:
+    return '{"format": "relforest-tree", "version": 1, "x": ' + "[" * (depth - 1) + "]" * (depth - 1) + "}"
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "it is not valid JSON"),
+        (b'{"format": "relforest-tree", "vers', "it is not valid JSON"),
+        (b'{"format": "relforest-tree", "version": 1} {}', "it is not valid JSON"),
+        (b'{"format": "relforest-tree", "version": 1, "version": 2}', "the key 'version' appears twice"),
+        (b'{"format": "relforest-tree", "version": 1, "x": ' + b"9" * 5000 + b"}", "it is not valid JSON"),
+        (bytes(range(256)), "it is not UTF-8 text"),
+        (b"\x89PNG\r\n\x1a\n", "it is not UTF-8 text"),
+        (b"[" * 200_000, "nested more than 64 levels deep"),
+        (nested(100_000).encode(), "nested more than 64 levels deep"),
+        (nested(65).encode(), "nested more than 64 levels deep"),
+        (b"[1, 2]", "it holds list, not an object"),
+        (b"null", "it holds NoneType, not an object"),
+        (b"{}", "it names no format"),
+        (b'{"format": "relforest-policy", "version": 1}', "its format is 'relforest-policy'"),
+        (b'{"format": ["relforest-tree"], "version": 1}', "its format is \\['relforest-tree'\\]"),
+        (b'{"format": "relforest-tree"}', "no valid version: expected an integer from 1 to 2, got None"),
+        (b'{"format": "relforest-tree", "version": "1"}', "no valid version: .*, got '1'"),
+        (b'{"format": "relforest-tree", "version": true}', "no valid version: .*, got True"),
+        (b'{"format": "relforest-tree", "version": 0}', "no valid version: .*, got 0"),
+        (b'{"format": "relforest-tree", "version": 3}', "written by a newer relforest: .* upgrade relforest"),
+        (b'{"format": "relforest-tree", "version": 1, "x": NaN}', "a number that is not finite"),
+        (b'{"format": "relforest-tree", "version": 1, "x": [-Infinity]}', "a number that is not finite"),
+        (b'{"format": "relforest-tree", "version": 1, "x": {"y": 1e999}}', "a number that is not finite"),
+    ],
+    ids=lambda value: value[:40].decode("latin-1") if isinstance(value, bytes) else None,
+)
+def test_hostile_json_is_refused_with_its_path(tmp_path: Path, content: bytes, complaint: str) -> None:
+    path = tmp_path / "hostile.json"
+    path.write_bytes(content)
+
+    with pytest.raises(ModelFormatError, match=rf"hostile\.json .*{complaint}"):
+        read(path)
+
+
+def test_json_nested_as_deep_as_allowed_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "deep.json"
+    path.write_text(nested(64))
+
+    assert read(path)["version"] == 1
+
+
+def test_an_older_version_is_left_to_the_caller(tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    files.write_json(path, HEAD)
+
+    assert read(path) == HEAD
+
+
+def test_a_missing_file_and_a_folder_are_no_models(tmp_path: Path) -> None:
+    with pytest.raises(ModelFormatError, match=r"absent\.json cannot be read: No such file or directory"):
+        read(tmp_path / "absent.json")
+    with pytest.raises(ModelFormatError, match="cannot be read: it is not a regular file"):
+        read(tmp_path)
+    with pytest.raises(ModelFormatError, match=r"cannot be read: .*embedded null"):
+        read(tmp_path / "a\0b")
+
+
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+
+    with pytest.raises(ModelFormatError, match="pipe cannot be read: it is not a regular file"):
+        read(tmp_path / "pipe")
+
+
+def test_a_file_over_the_limit_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    files.write_json(path, HEAD)
+    size = path.stat().st_size
+
+    assert read(path, max_bytes=size) == HEAD
+    with pytest.raises(ModelFormatError, match=rf"is larger than the {size - 1} bytes allowed"):
+        read(path, max_bytes=size - 1)
+
+
+@pytest.mark.parametrize(
+    ("value", "complaint"),
+    [
+        (np.int64(3), "here holds a int64, which is not JSON"),
+        ({3: "x"}, "here has the key 3, which is not a string"),
+        ([math.nan], r"here holds a number that is not finite \(nan\)"),
+    ],
+)
+def test_a_parsed_document_is_held_to_the_same_rules(value: object, complaint: str) -> None:
+    with pytest.raises(ModelFormatError, match=complaint):
+        files.check_document({**HEAD, "x": value}, format="relforest-tree", version=1, origin="here")
+
+
+def test_a_document_that_contains_itself_is_too_deep() -> None:
+    document: dict[str, Any] = dict(HEAD)
+    document["self"] = [document, document]
+
+    with pytest.raises(ModelFormatError, match="here is nested more than 64 levels deep"):
+        files.check_document(document, format="relforest-tree", version=1, origin="here")
+
+
+def arrays() -> dict[str, np.ndarray[Any, Any]]:
+    return {
+        "weights": np.array([[1.5, np.nan], [-np.inf, 0.0]]),
+        "counts": np.arange(3, dtype=np.int64),
+        "none": np.empty((0, 4)),
+        "names": np.array(["a", "ü"]),
+    }
+
+
+def test_arrays_written_are_arrays_read_in_the_order_asked(tmp_path: Path) -> None:
+    files.write_npz(tmp_path / "weights.npz", arrays())
+    read_back = files.read_npz(tmp_path / "weights.npz", ["names", "none", "counts", "weights"])
+
+    assert list(read_back) == ["names", "none", "counts", "weights"]
+    for name, array in arrays().items():
+        np.testing.assert_array_equal(read_back[name], array, strict=True)
+
+
+def test_equal_arrays_give_equal_bytes_that_numpy_reads(tmp_path: Path) -> None:
+    for name in ("one.npz", "two.npz"):
+        files.write_npz(tmp_path / name, arrays())
+
+    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
+    with zipfile.ZipFile(tmp_path / "one.npz") as archive:
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+    with np.load(tmp_path / "one.npz", allow_pickle=False) as loaded:
+        np.testing.assert_array_equal(loaded["counts"], [0, 1, 2])
+
+
+def test_arrays_of_objects_are_never_written(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"array 'ids' cannot be written to .*: it holds Python objects"):
+        files.write_npz(tmp_path / "weights.npz", {"ids": np.array([None], dtype=object)})
+
+    assert names_in(tmp_path) == []
+
+
+def test_a_missing_array_is_named(tmp_path: Path) -> None:
+    files.write_npz(tmp_path / "weights.npz", arrays())
+
+    with pytest.raises(ModelFormatError, match=r"weights\.npz holds no array 'bias'"):
+        files.read_npz(tmp_path / "weights.npz", ["counts", "bias"])
+
+
+def archive_of(member: bytes) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("counts.npy", member)
+    return buffer.getvalue()
+
+
+def npy(array: np.ndarray[Any, Any], *, allow_pickle: bool = False) -> bytes:
+    buffer = io.BytesIO()
+    np.lib.format.write_array(buffer, array, allow_pickle=allow_pickle)
+    return buffer.getvalue()
+
+
+COUNTS = npy(np.arange(3))
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "is not a readable archive of arrays"),
+        (b"not an archive", "is not a readable archive of arrays"),
+        (COUNTS, "is not a readable archive of arrays"),
+        (archive_of(COUNTS)[:-30], "is not a readable archive of arrays"),
+        (archive_of(COUNTS.replace(b"NUMPY", b"NUMPi")), "is not a readable archive of arrays"),
+        (archive_of(b""), "is not a readable archive of arrays"),
+        (archive_of(COUNTS[:-1]), "is not a readable archive of arrays"),
+        (archive_of(COUNTS + b"x"), "array 'counts' of .* is damaged: bytes follow its end"),
+        (archive_of(COUNTS.replace(b"(3,)", b"(9,)")), "is not a readable archive of arrays"),
+        (
+            archive_of(COUNTS.replace(b"(3,), }         ", b"(3000000000,), }")),
+            "is not a readable archive of arrays",
+        ),
+        (archive_of(npy(np.array([print], dtype=object), allow_pickle=True)), "is not a readable archive"),
+    ],
+)
+def test_hostile_archives_are_refused_with_their_path(tmp_path: Path, content: bytes, complaint: str) -> None:
+    path = tmp_path / "hostile.npz"
+    path.write_bytes(content)
+
+    with pytest.raises(ModelFormatError, match=complaint) as caught:
+        files.read_npz(path, ["counts"])
+
+    assert "hostile.npz" in str(caught.value)
+
+
+@pytest.mark.parametrize("position", range(0, len(archive_of(COUNTS)), 7))
+def test_an_archive_with_one_damaged_byte_is_refused_or_intact(tmp_path: Path, position: int) -> None:
+    content = bytearray(archive_of(COUNTS))
+    content[position] ^= 0xFF
+    path = tmp_path / "damaged.npz"
+    path.write_bytes(content)
+
+    try:
+        read_back = files.read_npz(path, ["counts"])["counts"].tolist()
+    except ModelFormatError:
+        read_back = [0, 1, 2]
+
+    assert read_back == [0, 1, 2]
+
+
+def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.npz"
+    path.write_bytes(archive_of(npy(np.zeros(100_000))))
+
+    assert path.stat().st_size < 10_000
+    with pytest.raises(
+        ModelFormatError, match=r"bomb\.npz unpacks to 800128 bytes, more than the 10000 allowed"
+    ):
+        files.read_npz(path, ["counts"], max_bytes=10_000)
+
+
+def test_lines_are_appended_and_a_torn_one_is_ended_first(tmp_path: Path) -> None:
+    log = tmp_path / "logs" / "timings.jsonl"
+    files.append_line(log, '{"iteration": 0}')
+    files.append_line(log, '{"iteration": 1}')
+    with log.open("ab") as file:
+        file.write(b'{"itera')
+    files.append_line(log, '{"iteration": 2}')
+
+    assert log.read_text() == '{"iteration": 0}\n{"iteration": 1}\n{"itera\n{"iteration": 2}\n'
+
+
+@pytest.mark.parametrize("text", ["a\nb", "a\r", "\n"])
+def test_only_single_lines_are_appended(tmp_path: Path, text: str) -> None:
+    with pytest.raises(InputError, match="only single lines can be appended to"):
+        files.append_line(tmp_path / "log", text)
+
+    assert names_in(tmp_path) == []
+
+
+def test_a_json_document_is_plain_json_to_others(tmp_path: Path) -> None:
+    files.write_json(tmp_path / "model.json", {**HEAD, "leaves": [0.25, 0.75]})
+
+    assert json.loads((tmp_path / "model.json").read_text()) == {**HEAD, "leaves": [0.25, 0.75]}

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy import stats
+
+from relforest.metrics import mean_interval, peirce_skill_score
+from relforest.support.errors import InputError
+
+LABELS: list[list[Any]] = [[0, 1], [-1, 1], [False, True], ["far", "near"], [0.0, 1.0]]
+
+
+@pytest.mark.parametrize("classes", LABELS)
+def test_the_score_is_hit_rate_minus_false_alarm_rate(classes: list[Any]) -> None:
+    no, yes = classes
+    truth = [yes, yes, yes, yes, no, no, no, no, no]
+    found = [yes, yes, yes, no, yes, no, no, no, no]
+
+    # 3 of 4 positives hit, 1 of 5 negatives a false alarm: .75 - .2
+    assert peirce_skill_score(truth, found) == pytest.approx(0.55)
+
+
+def test_the_positive_class_does_not_matter_but_must_exist() -> None:
+    truth, found = ["a", "a", "b", "b"], ["a", "b", "b", "b"]
+
+    # b positive: 2/2 - 1/2; a positive: 1/2 - 0/2
+    assert peirce_skill_score(truth, found, pos_label="b") == 0.5
+    assert peirce_skill_score(truth, found, pos_label="a") == 0.5
+    with pytest.raises(InputError, match="pos_label 'c' is no label of y_true, which has 'a', 'b'"):
+        peirce_skill_score(truth, found, pos_label="c")
+
+
+two_classes = hnp.arrays(np.bool_, st.integers(2, 12)).filter(lambda truth: 0 < truth.sum() < len(truth))
+
+
+@given(truth=two_classes, data=st.data())
+def test_the_score_of_a_prediction_and_its_opposite_cancel(truth: Any, data: st.DataObject) -> None:
+    found = data.draw(hnp.arrays(np.bool_, len(truth)))
+    score = peirce_skill_score(truth, found)
+
+    assert -1 <= score <= 1
+    assert peirce_skill_score(truth, ~found) == pytest.approx(-score)
+    assert peirce_skill_score(~truth, ~found) == pytest.approx(score)
+    assert peirce_skill_score(truth, truth) == 1
+    assert peirce_skill_score(truth, np.ones_like(truth)) == 0
+
+
+@pytest.mark.parametrize(
+    ("truth", "found", "message"),
+    [
+        ([1, 1], [1, 0], r"two classes, got 1 \(1\)"),
+        ([], [], r"two classes, got 0 \(no labels\)"),
+        ([0, 1, 2], [0, 1, 2], r"two classes, got 3 \(0, 1, 2\)"),
+        ([0, 1], [0, 1, 1], "y_true has 2 labels, but y_pred 3"),
+        ([0, 1], [-1, 1], "y_pred has the label -1, but y_true only 0, 1"),
+        ([0, 1], ["no", "yes"], "y_pred has the label 'no'"),
+        ([[0, 1]], [0], r"y_true must be one-dimensional, got the shape \(1, 2\)"),
+        ([0.0, np.nan], [0, 1], "y_true holds NaN"),
+        ([0, 1], [1j, 0], "y_pred holds complex128"),
+        (np.array([0, "a"], dtype=object), [0, 1], "y_true mixes types of labels"),
+    ],
+)
+def test_labels_that_cannot_be_scored_are_named(truth: Any, found: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        peirce_skill_score(truth, found)
+
+
+def test_the_interval_of_a_hand_worked_sample() -> None:
+    interval = mean_interval([1.0, 2.0, 3.0])
+
+    # s = 1, t(2, .975) = 4.302652730, half width t / sqrt(3) = 2.484137712
+    assert interval.mean == 2.0
+    assert interval.half_width == pytest.approx(2.484137712, abs=1e-9)
+    assert interval.low == pytest.approx(2 - 2.484137712, abs=1e-9)
+    assert interval.high == pytest.approx(2 + 2.484137712, abs=1e-9)
+    assert (interval.level, interval.count) == (0.95, 3)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=20), st.floats(0.01, 0.99))
+def test_the_interval_is_that_of_the_t_distribution(values: list[float], level: float) -> None:
+    interval = mean_interval(values, level)
+    scale = max(float(stats.sem(values)), 1e-300)
+    low, high = stats.t.interval(level, len(values) - 1, loc=np.mean(values), scale=scale)
+
+    np.testing.assert_allclose([interval.low, interval.high], [low, high], rtol=1e-7, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("values", "level", "message"),
+    [
+        ([1.0], 0.95, r"at least 2 entries, got the shape \(1,\)"),
+        ([[1.0, 2.0]], 0.95, "one-dimensional"),
+        ([1.0, np.nan], 0.95, "values must be finite"),
+        (["a", "b"], 0.95, "values must be numbers"),
+        ([1.0, 2.0], 95, "level must be a number"),
+        ([1.0, 2.0], 1.0, "level must be a number above 0 and below 1"),
+    ],
+)
+def test_samples_without_an_interval_are_refused(values: Any, level: float, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        mean_interval(values, level)

@@ -1,0 +1,227 @@
+"""The compiled query against its plain twin, on random trees and scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from reference import tree as twin
+from relforest.mappings import Mapping
+from relforest.scenes import Attribute, Scenes, Schema
+from relforest.trees import Instantiation, Leaf, Node, Question, Tree, query
+from relforest.volumes import Arc, Ellipsoid, Volume
+
+ATTRIBUTES = (
+    Attribute("location", 2),
+    Attribute("altitude"),
+    Attribute("color", 3),
+    Attribute("orientation"),
+)
+
+
+def random_volume(rng: np.random.Generator, mapping: Mapping) -> Volume:
+    if mapping.space == "circle":
+        return Arc(float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.5, 2.5)), float(rng.uniform(0, 4)))
+    root = rng.standard_normal((mapping.dim, mapping.dim))
+    covariance = root @ root.T + 0.1 * np.eye(mapping.dim)
+    # Wide enough that a fair share of standard normal points lies inside.
+    radius = float(np.sqrt(mapping.dim) * rng.uniform(0.5, 3))
+    return Ellipsoid(rng.standard_normal(mapping.dim), covariance, radius, int(rng.integers(1, 6)), 0.1)
+
+
+def random_question(rng: np.random.Generator, n_bound: int) -> tuple[Mapping, tuple[int, ...]]:
+    possible = [
+        mapping
+        for attribute in ATTRIBUTES
+        for operation in attribute.operations
+        if (mapping := Mapping(operation, attribute)).arity <= n_bound
+    ]
+    mapping = possible[rng.integers(len(possible))]
+    variables = rng.permutation(n_bound)[: mapping.arity]
+    return mapping, tuple(int(variable) for variable in variables)
+
+
+def random_tree(rng: np.random.Generator, n_parameters: int, most_questions: int = 3) -> Tree:
+    nodes: list[Node] = []
+
+    def add(node: Node) -> int:
+        nodes.append(node)
+        return len(nodes) - 1
+
+    def grow(n_bound: int, questions_left: int, *, stop: float = 0.3) -> int:
+        if questions_left == 0 or rng.random() < stop:
+            # Few different probabilities, so that leaves tie.
+            return add(Leaf(float(rng.choice([0.0, 0.2, 0.5, 0.9])), 0, 0))
+        first = len(nodes)
+        fewest = 1 if n_bound == 0 else 0
+        for _ in range(int(rng.integers(fewest, 3)) if n_bound < 3 else 0):
+            add(Instantiation(len(nodes) + 1))
+            n_bound += 1
+        mapping, variables = random_question(rng, n_bound)
+        here = add(Leaf(0.0, 0, 0))
+        volume = random_volume(rng, mapping)
+        children = [grow(n_bound, questions_left - 1) for _ in range(3)]
+        nodes[here] = Question(mapping, variables, volume, *children)
+        return first
+
+    grow(0, most_questions, stop=0.0)
+    return Tree(Schema(ATTRIBUTES, [f"arg{i}" for i in range(n_parameters)]), tuple(nodes))
+
+
+def random_scenes(
+    rng: np.random.Generator, n_parameters: int, n_scenes: int = 12, n_rows: int = 20
+) -> Scenes:
+    """Scenes of 0 to 5 objects that share rows; some values undefined, some arguments not bound."""
+    schema = Schema(ATTRIBUTES, [f"arg{i}" for i in range(n_parameters)])
+    matrix = rng.standard_normal((n_rows, schema.width))
+    for attribute in ATTRIBUTES:
+        matrix[rng.random(n_rows) < 0.1, schema.columns(attribute.name)] = np.nan
+    counts = rng.integers(0, 6, size=n_scenes)
+    chosen = [rng.permutation(n_rows)[:count] for count in counts]
+    arguments = np.full((n_scenes, n_parameters), -1)
+    for scene, objects in enumerate(chosen):
+        bound = rng.permutation(objects)[:n_parameters]
+        arguments[scene, : len(bound)] = bound
+        arguments[scene, rng.random(n_parameters) < 0.1] = -1
+    return Scenes(schema, matrix, np.concatenate(chosen), np.cumsum(counts) - counts, counts, arguments)
+
+
+def check(tree: Tree, scenes: Scenes) -> list[twin.SceneAnswer]:
+    """Assert that both queries agree on every scene and return what the twin says."""
+    answers = query(tree, scenes)
+    expected = twin.query(tree, scenes)
+    np.testing.assert_array_equal(answers.leaf, [answer.leaf for answer in expected])
+    np.testing.assert_array_equal(answers.witnesses, [answer.witnesses for answer in expected])
+    densities = np.array([answer.densities for answer in expected]).reshape(len(scenes), tree.depth)
+    np.testing.assert_allclose(answers.densities, densities, rtol=1e-7, atol=1e-300)
+    return expected
+
+
+def scenes_of(locations: Sequence[Sequence[float]], arguments: Sequence[int] = ()) -> Scenes:
+    """One scene of objects with a location each."""
+    n = len(locations)
+    schema = Schema((Attribute("location", 2),), [f"arg{i}" for i in range(len(arguments))])
+    matrix = np.array(locations, dtype=np.float64).reshape(n, 2)
+    return Scenes(
+        schema,
+        matrix,
+        np.arange(n),
+        np.array([0]),
+        np.array([n]),
+        np.array([arguments], dtype=np.int64).reshape(1, len(arguments)),
+    )
+
+
+def near(scenes: Scenes, *, n_bound: int, variables: tuple[int, int], within: float) -> Tree:
+    """A tree with one question: are two of the bound objects within a distance?"""
+    mapping = Mapping("distance", scenes.schema["location"])
+    volume = Ellipsoid(np.zeros(1), np.eye(1), within, 1, 0.0)
+    nodes: list[Node] = [Instantiation(i + 1) for i in range(n_bound)]
+    nodes.append(Question(mapping, variables, volume, n_bound + 1, n_bound + 2, n_bound + 3))
+    nodes += [Leaf(0.9, 0, 0), Leaf(0.4, 0, 0), Leaf(0.1, 0, 0)]
+    return Tree(scenes.schema, tuple(nodes))
+
+
+@pytest.mark.parametrize("n_parameters", [0, 1, 2])
+@pytest.mark.parametrize("seed", range(25))
+def test_random_trees_and_scenes(seed: int, n_parameters: int) -> None:
+    rng = np.random.default_rng([n_parameters, seed])
+    check(random_tree(rng, n_parameters), random_scenes(rng, n_parameters))
+
+
+@pytest.mark.parametrize("n_parameters", [0, 2])
+def test_all_answers_occur(n_parameters: int) -> None:
+    # The random trees above would prove little if their questions were answered one way only.
+    taken: set[tuple[str, bool]] = set()
+    for seed in range(10):
+        rng = np.random.default_rng([n_parameters, seed])
+        tree, scenes = random_tree(rng, n_parameters), random_scenes(rng, n_parameters)
+        links = {
+            child: answer
+            for node in tree.nodes
+            if isinstance(node, Question)
+            for answer, child in (("yes", node.yes), ("no", node.no), ("error", node.error))
+        }
+        for scene in range(len(scenes)):
+            for leaf, arrivals in twin.sequences_at_leaves(tree, scenes, scene).items():
+                taken.add((links[leaf], len(arrivals.objects) > 1))
+    assert taken == {(answer, many) for answer in ("yes", "no", "error") for many in (False, True)}
+
+
+def test_a_stub_answers_with_its_leaf() -> None:
+    scenes = random_scenes(np.random.default_rng(0), 0)
+    answers = check(Tree(scenes.schema, (Leaf(0.3, 7, 3),)), scenes)
+    assert {answer.n_sequences for answer in answers} == {1}
+
+
+def test_the_nearest_pair_is_the_most_representative() -> None:
+    # Distances: |0-1| = 3, |0-2| = 1, |1-2| = 2; all within 5. Density of the nearest: exp(-1^2 * 1 / 2).
+    scenes = scenes_of([(0, 0), (3, 0), (1, 0)])
+    (answer,) = check(near(scenes, n_bound=2, variables=(0, 1), within=5), scenes)
+    assert answer.leaf == 0
+    assert answer.witnesses == (0, 2)
+    assert answer.densities == pytest.approx([0.6065306597])
+    assert answer.n_sequences == 6
+
+
+def test_ten_objects_with_one_argument_and_two_free_variables() -> None:
+    scenes = scenes_of([(i, i**2) for i in range(10)], arguments=[4])
+    (answer,) = check(near(scenes, n_bound=3, variables=(1, 2), within=2), scenes)
+    # 9 objects for B, then 8 for C.
+    assert answer.n_sequences == 72
+    # |(0, 0) - (1, 1)| = 1.41 is the only distance within 2, found first with B = 0.
+    assert answer.witnesses == (4, 0, 1)
+
+
+def test_too_few_objects_take_the_error_branch_once() -> None:
+    scenes = scenes_of([(0, 0), (1, 0)])
+    (answer,) = check(near(scenes, n_bound=3, variables=(0, 2), within=5), scenes)
+    assert answer.leaf == 2
+    assert answer.densities == (0.0,)
+    assert answer.witnesses == (0, 1, -1)
+    assert answer.n_sequences == 2
+
+
+def test_a_null_object_does_not_spoil_other_questions() -> None:
+    scenes = scenes_of([(0, 0), (1, 0)])
+    (answer,) = check(near(scenes, n_bound=3, variables=(0, 1), within=5), scenes)
+    assert answer.leaf == 0
+    assert answer.witnesses == (0, 1, -1)
+
+
+def test_an_empty_scene_still_has_one_sequence() -> None:
+    scenes = scenes_of([])
+    (answer,) = check(near(scenes, n_bound=2, variables=(0, 1), within=5), scenes)
+    assert (answer.leaf, answer.witnesses, answer.n_sequences) == (2, (-1, -1), 1)
+
+
+def test_a_missing_argument_takes_the_error_branch() -> None:
+    scenes = scenes_of([(0, 0), (1, 0)], arguments=[-1])
+    (answer,) = check(near(scenes, n_bound=2, variables=(0, 1), within=5), scenes)
+    assert (answer.leaf, answer.witnesses, answer.n_sequences) == (2, (-1, 0), 2)
+
+
+def test_an_argument_is_not_bound_again() -> None:
+    scenes = scenes_of([(0, 0), (1, 0), (5, 0)], arguments=[1])
+    (answer,) = check(near(scenes, n_bound=2, variables=(0, 1), within=2), scenes)
+    assert (answer.leaf, answer.witnesses, answer.n_sequences) == (0, (1, 0), 2)
+
+
+def test_densities_beyond_the_branch_of_the_winner_are_zero() -> None:
+    # A = object 0 reaches a leaf below two questions, A = object 1 a more probable one below the first.
+    scenes = scenes_of([(0, 0), (9, 0)])
+    mapping = Mapping("identity", scenes.schema["location"])
+    here, anywhere = (Ellipsoid(np.zeros(2), np.eye(2), radius, 1, 0.0) for radius in (1.0, 20.0))
+    nodes: tuple[Node, ...] = (
+        Instantiation(1),
+        Question(mapping, (0,), here, 2, 6, 7),
+        Question(mapping, (0,), anywhere, 3, 4, 5),
+        *(Leaf(probability, 0, 0) for probability in (0.5, 0.1, 0.1, 0.9, 0.1)),
+    )
+    (answer,) = check(Tree(scenes.schema, nodes), scenes)
+    assert answer.leaf == 3
+    assert answer.witnesses == (1,)
+    # exp(-9^2 / 2) at the first question, nothing at the second.
+    assert answer.densities == pytest.approx([2.5767571e-18, 0.0], rel=1e-6, abs=0)
