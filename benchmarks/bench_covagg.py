@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
-
 from clock import median_seconds
+from numpy.typing import NDArray
 from peers import covagg as twin
+from table import Cell, Table
+
 from relforest.datasets import covariant1
 from relforest.support.parallel import one_blas_thread
 from relforest.volumes import aggregate
-from table import Cell, Table
 
 Objective = Literal["accuracy", "log-likelihood"]
 REPEATS = 50
@@ -80,9 +80,7 @@ def measure(case: Case) -> tuple[Cell, ...]:
 
     def fit(problem: Problem) -> int:
         rng = np.random.default_rng(problem.seed)
-        found = aggregate(
-            problem.points, problem.starts, problem.labels, objective=case.objective, rng=rng
-        )
+        found = aggregate(problem.points, problem.starts, problem.labels, objective=case.objective, rng=rng)
         return 0 if found is None else found.n_models
 
     def fit_twin(problem: Problem) -> object:

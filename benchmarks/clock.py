@@ -19,7 +19,7 @@ def median_seconds(
     Parameters
     ----------
     work : callable
-        What to time. Run it inside `relforest.support.parallel.one_blas_thread`: the clock counts all threads.
+        What to time. Run it inside `relforest.support.parallel.one_blas_thread`: all threads are counted.
     arguments : iterable
         Each is timed once, with ``calls`` calls in a row.
     calls : int

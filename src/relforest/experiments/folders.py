@@ -15,7 +15,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Final, final
 
-from relforest.rl.checkpoint import differences
+from relforest import __version__
+from relforest.rl.configuration import differences
 from relforest.support.errors import ModelFormatError, RunFolderError
 from relforest.support.files import read_json, write_json
 from relforest.support.locks import FolderLock
@@ -86,8 +87,8 @@ def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]
 def versions() -> dict[str, str]:
     """Return the versions of the software that results depend on, Python's without its last part."""
     python = ".".join(platform.python_version_tuple()[:2])
-    names = ("numpy", "scipy", "numba", "relforest")
-    return {"python": python} | {name: metadata.version(name) for name in names}
+    others = {name: metadata.version(name) for name in ("numpy", "scipy", "numba")}
+    return {"python": python, **others, "relforest": __version__}
 
 
 def _check_kind(folder: Path, identity: Identity) -> None:

@@ -14,7 +14,7 @@ from relforest.support.jit import kernel
 @kernel
 def wrap_angle(angle: float) -> float:
     """`angle` (radians) moved into [-pi, pi]."""
-    return angle - 2.0 * math.pi * np.rint(angle / (2.0 * math.pi))
+    return float(angle - 2.0 * math.pi * np.rint(angle / (2.0 * math.pi)))
 
 
 @kernel

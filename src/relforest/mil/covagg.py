@@ -85,7 +85,7 @@ class CovAggClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  #
         self.sampled = sampled
         self.random_state = random_state
 
-    def fit(self, bags: Any, y: ArrayLike) -> Self:
+    def fit(self, bags: object, y: ArrayLike) -> Self:
         """Learn the decision volume.
 
         Parameters
@@ -117,19 +117,19 @@ class CovAggClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  #
         self.volume_ = found.volume
         return self
 
-    def decision_function(self, bags: Any) -> NDArray[np.float64]:
+    def decision_function(self, bags: object) -> NDArray[np.float64]:
         """Radius minus the witness's distance, (n_bags,): >= 0 for bags predicted positive."""
         data, distances = self._distances(bags)
         nearest: NDArray[np.float64] = np.minimum.reduceat(distances, data.starts[:-1])
         return self.volume_.radius - nearest
 
-    def predict(self, bags: Any) -> NDArray[Any]:
+    def predict(self, bags: object) -> NDArray[Any]:
         """Label of each bag, (n_bags,)."""
         inside = self.decision_function(bags) >= 0.0
         predicted: NDArray[Any] = self.classes_[inside.astype(np.int64)]
         return predicted
 
-    def predict_instances(self, bags: Any) -> list[NDArray[np.bool_]]:
+    def predict_instances(self, bags: object) -> list[NDArray[np.bool_]]:
         """Which instances of each bag lie in the volume (eq. 3.3): one bool array per bag."""
         data, distances = self._distances(bags)
         inside = np.empty(len(distances), dtype=np.bool_)
@@ -137,14 +137,14 @@ class CovAggClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  #
         inside[data.starts[:-1].repeat(np.diff(data.starts)) + data.order] = distances <= self.volume_.radius
         return np.split(inside, data.starts[1:-1])
 
-    def witness(self, bags: Any) -> NDArray[np.int64]:
+    def witness(self, bags: object) -> NDArray[np.int64]:
         """Row within each bag of its witness, the instance nearest to the volume (eq. 3.7); (n_bags,)."""
         data, distances = self._distances(bags)
         spans = zip(data.starts[:-1], data.starts[1:], strict=True)
         nearest = [begin + int(np.argmin(distances[begin:end])) for begin, end in spans]
         return np.asarray(data.order[nearest], dtype=np.int64)
 
-    def _distances(self, bags: Any) -> tuple[Bags, NDArray[np.float64]]:
+    def _distances(self, bags: object) -> tuple[Bags, NDArray[np.float64]]:
         check_is_fitted(self)
         data = as_bags(bags)
         if data.points.shape[1] != self.n_features_in_:

@@ -113,32 +113,32 @@ def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:
 
 
 def _draw_node(axes: Axes, node: Leaf | Instantiation | Question, text: NodeText, box: Box, *, lit: bool) -> None:
-    edge, width = (_LIT, 2.2) if lit else (GREY, 0.9)
+    outline = {"edgecolor": _LIT if lit else GREY, "linewidth": 2.2 if lit else 0.9, "clip_on": False}
     corner, size = (box.left, box.top), (box.right - box.left, box.bottom - box.top)
     y = box.top + _PADDING
     if isinstance(node, Leaf):
         seen = node.negatives + node.positives > 0
         fill = probability_color(node.probability) if seen else PAPER
         axes.add_patch(
-            Rectangle(corner, *size, facecolor=fill, edgecolor=edge, linewidth=width, ls="-" if seen else ":")
+            Rectangle(corner, *size, facecolor=fill, ls="-" if seen else ":", **outline)
         )
         ink = INK if seen or lit else GREY
         y = _write(axes, text.tag, (box.center, box.top + _PADDING / 2), size=_SMALL, color=ink)
         y = _write(axes, text.lines[0], (box.center, y), size=_LARGE, color=ink, bold=seen)
         _write(axes, text.lines[1], (box.center, y), size=_TEXT, color=ink)
     elif isinstance(node, Question):
-        shape = f"round,pad=0,rounding_size={0.12}"
+        shape = "round,pad=0,rounding_size=0.12"
         axes.add_patch(
-            FancyBboxPatch(corner, *size, boxstyle=shape, facecolor=PAPER, edgecolor=edge, linewidth=width)
+            FancyBboxPatch(corner, *size, boxstyle=shape, facecolor=PAPER, **outline)
         )
         y = _write(axes, text.tag, (box.center, y), size=_SMALL, color=GREY)
         for line in text.lines:
             y = _write(axes, line, (box.center, y), size=_TEXT)
     else:
         left, right = box.left + _SLANT, box.right - _SLANT
-        outline = [(left, box.top), (box.right, box.top), (right, box.bottom), (box.left, box.bottom)]
+        corners = [(left, box.top), (box.right, box.top), (right, box.bottom), (box.left, box.bottom)]
         fill = mixed(_LIT, 0.2) if lit else mixed(GREY, 0.15)
-        axes.add_patch(Polygon(outline, closed=True, facecolor=fill, edgecolor=edge, linewidth=width))
+        axes.add_patch(Polygon(corners, closed=True, facecolor=fill, **outline))
         _write(axes, text.lines[0], (box.center, box.top + _PADDING / 2), size=_TEXT)
 
 

@@ -5,8 +5,7 @@ Compare Figures 4.1 and 7.6 of Palmer (2015).
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -16,27 +15,20 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from relforest.reports.node_drawing import draw_tree, node_texts
+from relforest.reports.page_layout import MARGIN, Page, arrange
+from relforest.reports.question_panel import PANEL_WIDTH, draw_panel, panel_height
 from relforest.reports.question_points import QuestionPoints, question_points
-from relforest.reports.style import GREY, INK, NEGATIVE, POSITIVE, styled
-from relforest.reports.text_size import line_height, shortened, text_width
+from relforest.reports.style import GREY, NEGATIVE, POSITIVE, styled
+from relforest.reports.text_size import line_height, text_width
 from relforest.reports.tree_layout import Layout, lay_out
 from relforest.reports.tree_path import TreePath, leaf_node, tree_path, witness_names
-from relforest.reports.volume_panel import draw_volume
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.trees import Question, Tree
-from relforest.trees.nodes import variable_name
-from relforest.volumes import Arc, Volume
 
-_MARGIN: Final = 0.25
-_PANEL_WIDTH: Final = 2.75
-_PLOT: Final = (2.05, 1.75)
-_PLOT_LEFT: Final = 0.55
-_TITLE: Final = 9.5
-_TABLE: Final = 7.5
-_SHAPE: Final = 1.5
-_MOST_AXES: Final = 3
-_MOST_NUMBERS: Final = 4
+_TITLE: Final = 11.0
+_SUBTITLE: Final = 8.5
+_LEGEND_HEIGHT: Final = 0.22
 
 
 def tree_figure(
@@ -62,7 +54,7 @@ def tree_figure(
     highlight : Scenes, optional
         One scene whose way through the tree is marked, with the objects that decided.
     title : str
-        Above the picture.
+        Above the picture. Default: the size of the tree.
 
     Returns
     -------
@@ -78,11 +70,79 @@ def tree_figure(
         raise InputError("scenes and labels belong together: pass both or neither")
     if scenes is not None:
         points = question_points(tree, scenes, np.asarray(labels, dtype=np.bool_))
+    points = points or {}
     path = None if highlight is None else tree_path(tree, highlight)
-    questions = [index for index, node in enumerate(tree.nodes) if isinstance(node, Question)]
+    questions = {index: node for index, node in enumerate(tree.nodes) if isinstance(node, Question)}
     names = {index: f"Q{number}" for number, index in enumerate(questions, start=1)}
     texts = node_texts(tree, names, path)
     layout = lay_out(tree.nodes, [text.size for text in texts])
-    heads = _head_lines(tree, path, title)
+    head = _head(tree, title, path)
+    panel = (PANEL_WIDTH, panel_height([question.volume for question in questions.values()]))
+    page = arrange((layout.width, layout.height), panel, len(questions), head=_size(head, legend=bool(points)))
     with styled():
-        return _compose(tree, layout, names, dict(points or {}), (texts, path, heads))
+        figure = Figure(figsize=(page.width, page.height))
+        _draw_head(figure, page, head, legend=bool(points))
+        draw_tree(_tree_axes(figure, page, layout), tree, texts, layout, path)
+        for (index, question), place in zip(questions.items(), page.panels, strict=True):
+            witness = None if path is None else path.points.get(index)
+            draw_panel(figure, page, place, (names[index], question), points.get(index), witness)
+    return figure
+
+
+def _head(tree: Tree, title: str, path: TreePath | None) -> Sequence[tuple[str, float]]:
+    """Return the lines above the tree, each with its size."""
+    n_questions = sum(isinstance(node, Question) for node in tree.nodes)
+    words = f"{n_questions} question{'' if n_questions == 1 else 's'}, {tree.n_leaves} lea{'f' if tree.is_stub else 'ves'}"
+    lines = [(title or f"SMRF tree: {words}", _TITLE)]
+    if path is not None:
+        probability = leaf_node(tree, path.leaf).probability
+        lines.append((f"scene {path.scene_id}: probability {probability:.2f} (leaf {path.leaf})", _SUBTITLE))
+        if path.witnesses:
+            lines.append((", ".join(witness_names(tree, path)), _SUBTITLE))
+    return lines
+
+
+def _size(head: Sequence[tuple[str, float]], *, legend: bool) -> tuple[float, float]:
+    width = max(text_width(text, size) for text, size in head)
+    return width, sum(line_height(size) for _, size in head) + (_LEGEND_HEIGHT if legend else 0.0)
+
+
+def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *, legend: bool) -> None:
+    y = MARGIN
+    for text, size in head:
+        weight = "bold" if size == _TITLE else "normal"
+        figure.text(
+            MARGIN / page.width, 1 - y / page.height, text, va="top", fontsize=size, fontweight=weight, parse_math=False
+        )
+        y += line_height(size)
+    if legend:
+        marks = [
+            Line2D([], [], ls="", marker=marker, color=color, ms=4, label=f"{kind} scenes")
+            for kind, marker, color in (("positive", "^", POSITIVE), ("negative", "o", NEGATIVE))
+        ]
+        figure.legend(
+            handles=marks,
+            loc="upper left",
+            bbox_to_anchor=(MARGIN / page.width, 1 - y / page.height),
+            ncols=2,
+            borderpad=0.1,
+            borderaxespad=0.0,
+            handletextpad=0.2,
+            labelcolor=GREY,
+        )
+
+
+def _tree_axes(figure: Figure, page: Page, layout: Layout) -> Axes:
+    """Add axes whose unit is an inch and whose y points downwards from the top of the tree."""
+    left, top = page.tree
+    bounds = (
+        left / page.width,
+        1.0 - (top + layout.height) / page.height,
+        layout.width / page.width,
+        layout.height / page.height,
+    )
+    axes = figure.add_axes(bounds)
+    axes.set_xlim(0.0, layout.width)
+    axes.set_ylim(layout.height, 0.0)
+    axes.set_axis_off()
+    return axes

@@ -99,11 +99,13 @@ def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
 
 def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
     """Return such as ``("A (passer) = p3", "B = p7")`` for the variables bound on a path."""
+    parameters = tree.schema.parameters
     names = []
     for variable, witness in enumerate(path.witnesses):
-        parameters = tree.schema.parameters
-        role = f" ({parameters[variable]})" if variable < len(parameters) else ""
-        names.append(f"{variable_name(variable)}{role} = {'no object' if witness is None else witness}")
+        letter = variable_name(variable)
+        named = variable < len(parameters) and parameters[variable] != letter
+        role = f" ({parameters[variable]})" if named else ""
+        names.append(f"{letter}{role} = {'no object' if witness is None else witness}")
     return tuple(names)
 
 

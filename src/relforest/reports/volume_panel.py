@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Ellipse, Wedge
+from matplotlib.patches import Ellipse, FancyArrowPatch, Wedge
 from numpy.typing import NDArray
 
 from relforest.mappings import Mapping
@@ -90,34 +90,37 @@ def _draw_ellipse(
     axes.add_patch(Ellipse(**shape, facecolor="none", edgecolor=_FILL_EDGE, linewidth=1.4, zorder=3))
     for axis in (long, short):
         end = (center[0] + axis[0], center[1] + axis[1])
-        axes.annotate(
-            "",
-            end,
-            center,
-            arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0},
-            zorder=4,
-        )
+        arrow = {"arrowstyle": "-|>", "mutation_scale": 8.0, "shrinkA": 0.0, "shrinkB": 0.0}
+        axes.add_patch(FancyArrowPatch(center, end, color=INK, linewidth=1.0, zorder=4, **arrow))
     if witness is not None:
         _star(axes, float(witness[0]), float(witness[1]))
-    half = np.abs(volume.axes).max(axis=0) if points is None else np.hypot(long, short)
+    half = np.hypot(long, short)
     low, high = _window(volume.mean, half, None if points is None else points.points, witness)
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_aspect("equal", adjustable="datalim")
+    _show_undistorted(axes, low, high)
+
+
+def _show_undistorted(axes: Axes, low: Points, high: Points) -> None:
+    """Show at least the rectangle between two corners, with the same scale on both axes."""
+    room = axes.get_window_extent()
+    scale = max((high[0] - low[0]) / room.width, (high[1] - low[1]) / room.height)
+    middle, reach = (low + high) / 2, np.array([room.width, room.height]) * scale / 2
+    axes.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
+    axes.set_ylim(middle[1] - reach[1], middle[1] + reach[1])
 
 
 def _window(
     mean: Points, half: Points, points: Points | None, witness: Points | None
 ) -> tuple[Points, Points]:
     """Return the corners of what is shown: the volume with some surroundings, no further than there are points."""
-    low, high = mean - 1.2 * half, mean + 1.2 * half
+    low, high = mean - 1.15 * half, mean + 1.15 * half
     if points is not None and len(points):
         outer = np.quantile(points, [0.01, 0.99], axis=0)
         margin = 0.05 * (outer[1] - outer[0])
-        # Around a small volume the surroundings, of a huge one only where the points are.
-        low = np.maximum(outer[0] - margin, mean - 3.0 * half)
-        high = np.minimum(outer[1] + margin, mean + 3.0 * half)
-        low, high = np.minimum(low, mean - 0.25 * half), np.maximum(high, mean + 0.25 * half)
+        around = np.maximum(outer[0] - margin, mean - 3.0 * half), np.minimum(outer[1] + margin, mean + 3.0 * half)
+        # A volume may be so large that it amounts to an inequality; then its far end is of no interest.
+        huge = half > 2.0 * (outer[1] - outer[0])
+        low = np.where(huge, around[0], np.minimum(low, around[0]))
+        high = np.where(huge, around[1], np.maximum(high, around[1]))
     if witness is not None:
         low, high = np.minimum(low, witness - 0.1 * half), np.maximum(high, witness + 0.1 * half)
     flat = high - low <= 0.0

@@ -11,7 +11,7 @@ from typing import Any, final
 
 import numpy as np
 
-from relforest.scenes.arrays import FloatArray, SceneArrays
+from relforest.scenes.arrays import FloatArray, SceneArrays, compact
 from relforest.scenes.ids import as_ids, plain
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
@@ -61,6 +61,7 @@ def arrays_from_dicts(records: Iterable[Mapping[str, Any]], schema: Schema | Non
 
 def arrays_to_dicts(parts: SceneArrays) -> list[dict[str, Any]]:
     """Write scenes as dictionaries; see `Scenes.to_dicts`."""
+    parts = compact(parts)
     objects = [
         {"id": plain(each)} | _defined_values(parts.schema, row)
         for each, row in zip(parts.object_ids, parts.matrix, strict=True)

@@ -27,9 +27,14 @@ class SearchSettings(Protocol):
     """What the search needs to know of `TreeSettings`."""
 
     @property
-    def attempts(self) -> int: ...
+    def attempts(self) -> int:
+        """Tries per expansion."""
+        ...
+
     @property
-    def covagg(self) -> CovAggSettings: ...
+    def covagg(self) -> CovAggSettings:
+        """Parameters of covariant aggregation."""
+        ...
 
 
 @final
@@ -154,9 +159,7 @@ def prepare(
     return prepared, left_out
 
 
-def _too_many(
-    sequences: Sequences, scenes: Scenes, places: NDArray[np.int64], max_points: int
-) -> bool:
+def _too_many(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64], max_points: int) -> bool:
     return n_extensions(sequences.scene, sequences.objects, scenes.counts, places) > max_points
 
 

@@ -54,8 +54,9 @@ class Explanation:
 
     def __str__(self) -> str:
         """One line."""
-        bound = ", ".join(f"{name} = {found}" for name, found in self.witnesses.items())
-        return f"scene {self.scene}: probability {self.probability:.2f}, leaf {self.leaf}, {bound or 'no objects'}"
+        bound = ", ".join(f"{name} = {witness}" for name, witness in self.witnesses.items())
+        found = f"probability {self.probability:.2f}, leaf {self.leaf}"
+        return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
 @final
@@ -207,7 +208,7 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
     return explanations
 
 
-def _plain(identifier: Any) -> object:
+def _plain(identifier: object) -> object:
     """Identifier as a Python value."""
     return identifier.item() if isinstance(identifier, np.generic) else identifier
 

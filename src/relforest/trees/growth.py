@@ -129,7 +129,7 @@ def grow(
     labels: NDArray[np.bool_],
     *,
     rng: np.random.Generator,
-    settings: TreeSettings = TreeSettings(),  # noqa: B008 - frozen, so one shared default is safe
+    settings: TreeSettings = TreeSettings(),
 ) -> Growth:
     """Learn a tree that predicts the labels of scenes.
 
@@ -226,7 +226,7 @@ class _State:
 def _most_promising(state: _State, labels: NDArray[np.bool_], assignment: Assignment) -> int | None:
     """Open leaf with the highest potential; None if none could raise the likelihood."""
     best, highest = None, assignment.log_likelihood + 1e-9
-    for leaf in np.flatnonzero(state.presence.any(axis=1) & state.is_open):
+    for leaf in np.flatnonzero(state.presence.any(axis=1) & np.array(state.is_open)):
         value = potential(state.presence, labels, assignment.winner, int(leaf))
         if value > highest:
             best, highest = int(leaf), value

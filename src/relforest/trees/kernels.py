@@ -180,8 +180,8 @@ def _bind_next(
     if variable < len(arguments):
         state[BOUND, variable] = arguments[variable]
         state[_CURSOR, variable] = 0
-        return place < 0
-    never_bound = place < 0
+        return bool(place < 0)
+    never_bound = bool(place < 0)
     for i in range(place + 1, len(objects)):
         candidate = objects[i]
         repeated = False

@@ -18,9 +18,14 @@ class PermutationSettings(SearchSettings, Protocol):
     """What the test needs to know of `TreeSettings`."""
 
     @property
-    def alpha(self) -> float: ...
+    def alpha(self) -> float:
+        """Significance level."""
+        ...
+
     @property
-    def permutations(self) -> int: ...
+    def permutations(self) -> int:
+        """Number of shuffles."""
+        ...
 
 
 def permutation_p(

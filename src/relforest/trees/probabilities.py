@@ -74,38 +74,47 @@ def _assign(
     probability = np.full(n_leaves, -1.0)
     counts = np.zeros((n_leaves, 2), dtype=np.int64)
     winner = np.full(n_scenes, -1, dtype=np.int64)
-    # Present scenes that are still undecided, by leaf and label.
-    left = np.zeros((n_leaves, 2), dtype=np.int64)
-    n_positive = 0
+    undecided = np.zeros((n_leaves, 2), dtype=np.int64)
     for scene in range(n_scenes):
-        n_positive += labels[scene]
-        for leaf in range(n_leaves):
-            if presence[leaf, scene]:
-                left[leaf, 1 if labels[scene] else 0] += 1
+        _count(presence, scene, int(labels[scene]), 1, undecided)
     bound = np.inf
-    for _ in range(n_leaves):
-        best, highest = -1, -1.0
-        for leaf in range(n_leaves):
-            total = left[leaf, 0] + left[leaf, 1]
-            if probability[leaf] < 0.0 and total > 0 and left[leaf, 1] / total > highest:
-                best, highest = leaf, left[leaf, 1] / total
-        if best < 0:
-            break
-        probability[best] = min(highest, bound)
+    best = _most_probable(undecided, probability)
+    while best >= 0:
+        n_positive, n_present = undecided[best, 1], undecided[best, 0] + undecided[best, 1]
+        probability[best] = min(n_positive / n_present, bound)
         bound = probability[best] * _BELOW_PREVIOUS
         for scene in range(n_scenes):
             if presence[best, scene] and winner[scene] < 0:
                 winner[scene] = best
-                label = 1 if labels[scene] else 0
-                counts[best, label] += 1
-                for leaf in range(n_leaves):
-                    if presence[leaf, scene]:
-                        left[leaf, label] -= 1
+                counts[best, int(labels[scene])] += 1
+                _count(presence, scene, int(labels[scene]), -1, undecided)
+        best = _most_probable(undecided, probability)
     for leaf in range(n_leaves):
         if probability[leaf] < 0.0:
-            probability[leaf] = min(n_positive / n_scenes, bound)
+            probability[leaf] = min(labels.mean(), bound)
             bound = probability[leaf] * _BELOW_PREVIOUS
     return probability, counts, winner
+
+
+@kernel
+def _count(
+    presence: NDArray[np.bool_], scene: int, label: int, by: int, undecided: NDArray[np.int64]
+) -> None:
+    """Add `by` to the count (n_leaves, 2) of undecided scenes at each leaf where the scene is present."""
+    for leaf in range(presence.shape[0]):
+        if presence[leaf, scene]:
+            undecided[leaf, label] += by
+
+
+@kernel
+def _most_probable(undecided: NDArray[np.int64], probability: NDArray[np.float64]) -> int:
+    """Unassigned leaf with the largest share of positive undecided scenes; -1 if none has any scene."""
+    best, highest = -1, -1.0
+    for leaf in range(len(probability)):
+        total = undecided[leaf, 0] + undecided[leaf, 1]
+        if probability[leaf] < 0.0 and total > 0 and undecided[leaf, 1] / total > highest:
+            best, highest = leaf, undecided[leaf, 1] / total
+    return best
 
 
 def potential(

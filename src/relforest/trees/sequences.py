@@ -39,7 +39,7 @@ class Sequences:
     @property
     def depth(self) -> int:
         """Number of variables bound."""
-        return self.objects.shape[1]
+        return int(self.objects.shape[1])
 
     def __len__(self) -> int:
         """Number of sequences."""

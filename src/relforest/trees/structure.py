@@ -11,9 +11,7 @@ if TYPE_CHECKING:
     from relforest.scenes import Schema
 
 
-def check_structure(
-    schema: Schema, nodes: tuple[Node, ...]
-) -> tuple[list[int], list[tuple[int, ...]]]:
+def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int], list[tuple[int, ...]]]:
     """Check the nodes of a tree and return what stands above each of them.
 
     Returns

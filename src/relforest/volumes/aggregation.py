@@ -59,8 +59,8 @@ def aggregate_keys(
     bags: SlotMajor, positives: NDArray[np.int64], problem: Problem, draws: NDArray[np.float64]
 ) -> Found:
     """Run all restarts; `positives` are the positive bags in the caller's order."""
-    models = new_models(problem.space, bags.points.shape[0], len(bags.positive))
-    buckets = new_buckets(len(bags.positive))
+    models = new_models(problem.space, bags.points.shape[0], len(bags.weights))
+    buckets = new_buckets(len(bags.weights))
     dice = Dice(draws, np.zeros(1, dtype=np.int64))
     history = np.empty(len(positives))
     pools = np.empty((2, len(positives)), dtype=np.int64)
@@ -113,7 +113,8 @@ def _start(bags: SlotMajor, bag: int, problem: Problem, models: Models, buckets:
     models.numbers[CURRENT, SCORE] = -np.inf
     size = n_instances(bags, bag)
     for slot in range(size):
-        _try(bags, problem, (-1, bags.offsets[slot] + bag), models, buckets)
+        floor = models.numbers[CURRENT, SCORE]
+        _try(bags, problem, (-1, bags.offsets[slot] + bag), floor, models, buckets)
         if models.numbers[TRIAL, SCORE] > models.numbers[CURRENT, SCORE]:
             copy_model(models, TRIAL, CURRENT)
     return size
@@ -151,7 +152,7 @@ def _step(
         candidates[i], candidates[swap] = candidates[swap], candidates[i]
         bag = candidates[i]
         column = nearest_instance(problem.space, bags, bag, models.centres[CURRENT], models.metrics[CURRENT])
-        _try(bags, problem, (CURRENT, column), models, buckets)
+        _try(bags, problem, (CURRENT, column), models.numbers[CHOSEN, SCORE], models, buckets)
         if models.numbers[TRIAL, SCORE] > models.numbers[CHOSEN, SCORE]:
             copy_model(models, TRIAL, CHOSEN)
             added = bag
@@ -162,9 +163,17 @@ def _step(
 
 @kernel
 def _try(
-    bags: SlotMajor, problem: Problem, extension: tuple[int, int], models: Models, buckets: Buckets
+    bags: SlotMajor,
+    problem: Problem,
+    extension: tuple[int, int],
+    floor: float,
+    models: Models,
+    buckets: Buckets,
 ) -> None:
-    """Make `TRIAL` the model of row `extension[0]` and the instance in column `extension[1]`; score it."""
+    """Make `TRIAL` the model of row `extension[0]` and the instance in column `extension[1]`.
+
+    Its score is minus infinity if it does not exceed the floor.
+    """
     base, column = extension
     models.numbers[TRIAL, SCORE] = -np.inf
     regularisation = (problem.prior, problem.max_condition)
@@ -175,7 +184,8 @@ def _try(
     scale = models.numbers[CURRENT, EDGE] if base >= 0 else 0.0
     if not scale > 0.0:
         scale = squared.mean() + np.finfo(np.float64).tiny
-    score, edge = best_cut(squared, bags.positive, problem.objective, problem.table, scale, buckets)
+    objective = (problem.objective, problem.table)
+    score, edge = best_cut(squared, bags.weights, objective, scale, floor, buckets)
     models.numbers[TRIAL, SCORE] = score
     models.numbers[TRIAL, EDGE] = edge
 

@@ -21,7 +21,7 @@ class SlotMajor(NamedTuple):
 
     points: NDArray[np.float64]  # (d, n_points), instance j of bag i in column offsets[j] + i
     offsets: NDArray[np.int64]  # (n_slots + 1,), slot j ends where slot j + 1 begins
-    positive: NDArray[np.int64]  # (n_bags,) 1 for positive bags
+    weights: NDArray[np.int64]  # (n_bags,) 2**32 for positive bags, 1 for negative ones
 
 
 def slot_major(
@@ -39,7 +39,7 @@ def slot_major(
     np.cumsum(slot_sizes, out=offsets[1:])
     arranged = np.empty((points.shape[1], len(points)))
     _arrange(points, starts[order], offsets, arranged)
-    layout = SlotMajor(arranged, offsets, labels[order].astype(np.int64))
+    layout = SlotMajor(arranged, offsets, np.where(labels[order], 2**32, 1))
     return layout, np.argsort(order)[labels]
 
 

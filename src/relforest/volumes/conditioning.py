@@ -28,7 +28,8 @@ def extreme_eigenvalues(matrix: NDArray[np.float64]) -> tuple[float, float]:
         return matrix[0, 0], matrix[0, 0]
     if dim == 2:
         centre = 0.5 * (matrix[0, 0] + matrix[1, 1])
-        spread = math.hypot(0.5 * (matrix[0, 0] - matrix[1, 1]), matrix[0, 1])
+        half, mixed = 0.5 * (matrix[0, 0] - matrix[1, 1]), matrix[0, 1]
+        spread = math.sqrt(half * half + mixed * mixed)
         largest = centre + spread
         if largest <= 0.0:
             return largest, centre - spread

@@ -90,7 +90,7 @@ def aggregate(
     rng: np.random.Generator,
     space: Literal["euclidean", "circle"] = "euclidean",
     objective: Objective = "accuracy",
-    settings: CovAggSettings = CovAggSettings(),  # noqa: B008 - frozen, so one shared default is safe
+    settings: CovAggSettings = CovAggSettings(),
 ) -> Aggregation | None:
     """Learn the decision volume that best separates positive from negative bags.
 

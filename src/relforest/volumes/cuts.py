@@ -15,89 +15,89 @@ if TYPE_CHECKING:
 
 
 class Buckets(NamedTuple):
-    """Work space of `best_cut`: witnesses in linked lists, one list per range of distances."""
+    """Work space of `best_cut`: witnesses counted and chained by ranges of distances."""
 
-    table: NDArray[np.int32]  # (n_buckets, 3) negative bags, positive bags, first bag (-1 = none)
-    bags: NDArray[np.int32]  # (3, n_bags) bucket of each bag, next bag of it, sorted bags of one bucket
+    counts: NDArray[np.int64]  # (n_buckets,) negative bags + 2**32 * positive bags
+    heads: NDArray[np.int32]  # (n_buckets,) first bag of each bucket, -1 = none
+    bags: NDArray[np.int32]  # (3, n_bags) bucket of each bag, next bag in it, sorted bags of one bucket
+    scores: NDArray[np.float64]  # (2, n_buckets) of a cut behind a bucket, and the best hoped for inside
 
 
-_HEAD: Final = 2
 _BUCKET: Final = 0
 _NEXT: Final = 1
 _SORTED: Final = 2
+_BEHIND: Final = 0
+_HOPED: Final = 1
+_NEGATIVES: Final = 2**32 - 1
 
 
 @kernel
 def new_buckets(n_bags: int) -> Buckets:
-    """Work space for `n_bags` bags: about one bucket per bag."""
-    n_buckets = 64
-    while n_buckets < n_bags and n_buckets < 4096:
+    """Work space for `n_bags` bags."""
+    n_buckets = 32
+    while 6 * n_buckets < n_bags:
         n_buckets *= 2
-    return Buckets(np.empty((n_buckets, 3), dtype=np.int32), np.empty((3, n_bags), dtype=np.int32))
+    return Buckets(
+        np.empty(n_buckets, dtype=np.int64),
+        np.empty(n_buckets, dtype=np.int32),
+        np.empty((3, n_bags), dtype=np.int32),
+        np.empty((2, n_buckets)),
+    )
 
 
 @kernel
 def best_cut(
     squared: NDArray[np.float64],
-    positive: NDArray[np.int64],
-    objective: int,
-    table: NDArray[np.float64],
+    weights: NDArray[np.int64],
+    objective: tuple[int, NDArray[np.float64]],
     scale: float,
+    floor: float,
     buckets: Buckets,
 ) -> tuple[float, float]:
     """Best score over all cuts of the witness distances, and the largest squared distance inside.
 
     A cut lies behind a distinct distance; the smallest of equally good cuts is taken; "nothing
     inside" is no cut. Witnesses are counted into buckets of increasing distance instead of being
-    sorted. Both objectives can only rise with a positive bag and fall with a negative one, so the
-    best cut ends a bucket unless a bucket holds both kinds and could, with its positives alone,
-    reach the best score so far; only such buckets are looked into.
+    sorted. Both objectives can only rise with a positive bag and fall with a negative one, so no cut
+    inside a bucket beats the score that it would have with all the bucket's positives and none of its
+    negatives; only buckets where that is better than the best score so far are sorted.
 
     Parameters
     ----------
     squared : ndarray (n_bags,)
         Squared witness distances.
-    positive : int64 ndarray (n_bags,)
-        1 for positive bags.
-    objective : int
-        `ACCURACY` or `LOG_LIKELIHOOD`.
-    table : ndarray (n_bags + 1,)
-        `entropy_table(n_bags)`.
+    weights : int64 ndarray (n_bags,)
+        1 for negative, 2**32 for positive bags.
+    objective : (int, ndarray (n_bags + 1,))
+        `ACCURACY` or `LOG_LIKELIHOOD`, and `entropy_table(n_bags)`.
     scale : float
         A squared distance near the expected cut, > 0; it affects only the speed.
+    floor : float
+        Scores that do not exceed it are of no interest.
     buckets : Buckets
         Work space.
 
     Returns
     -------
     (float, float)
-        Score and edge; (-inf, -inf) if no cut is admissible.
+        Score and edge; (-inf, -inf) if no admissible cut exceeds the floor.
     """
-    n_positive = _fill(squared, positive, scale, buckets)
+    n_positive = _fill(squared, weights, scale, buckets)
     totals = (n_positive, len(squared) - n_positive)
-    best, best_bucket = _best_bucket(objective, totals, table, buckets)
-    inside_positive, inside_negative = 0, 0
+    best, best_bucket = _score_buckets(objective, totals, buckets)
     edge, inner = -np.inf, False
-    for k in range(len(buckets.table)):
-        negatives, positives = buckets.table[k, 0], buckets.table[k, 1]
-        mixed = negatives > 0 and (positives > 0 or inside_positive + inside_negative == 0)
-        if mixed and negatives + positives > 1:
-            hoped = score_counts(objective, inside_positive + positives, inside_negative, totals, table)
-            if hoped > best or (hoped == best and k <= best_bucket and not inner):
-                count = _sort_bucket(k, squared, buckets)
-                for j in range(count):
-                    bag = buckets.bags[_SORTED, j]
-                    inside_positive += positive[bag]
-                    inside_negative += 1 - positive[bag]
-                    if j + 1 < count and squared[buckets.bags[_SORTED, j + 1]] == squared[bag]:
-                        continue
-                    score = score_counts(objective, inside_positive, inside_negative, totals, table)
-                    if score > best or (score == best and k <= best_bucket and not inner):
-                        best, edge, best_bucket, inner = score, squared[bag], k, True
-                continue
-        inside_positive += positives
-        inside_negative += negatives
-    if best > -np.inf and not inner:
+    if best <= floor:
+        best, best_bucket = floor, -1
+    for k in range(len(buckets.counts)):
+        hoped = buckets.scores[_HOPED, k]
+        # An equal score counts only for a smaller cut.
+        if hoped > best or (hoped == best and k <= best_bucket and not inner):
+            score, inside = _best_inside(k, squared, weights, objective, totals, buckets)
+            if score > best or (score == best and k <= best_bucket and not inner):
+                best, edge, best_bucket, inner = score, inside, k, True
+    if best_bucket < 0:
+        return -np.inf, -np.inf
+    if not inner:
         count = _sort_bucket(best_bucket, squared, buckets)
         edge = squared[buckets.bags[_SORTED, count - 1]]
     return best, edge
@@ -105,51 +105,88 @@ def best_cut(
 
 @kernel
 def _fill(
-    squared: NDArray[np.float64], positive: NDArray[np.int64], scale: float, buckets: Buckets
+    squared: NDArray[np.float64], weights: NDArray[np.int64], scale: float, buckets: Buckets
 ) -> int:
-    """Sort the bags into buckets of t / (t + scale); number of positive bags."""
-    n_buckets = len(buckets.table)
+    """Put every bag into a bucket; number of positive bags."""
+    n_buckets = len(buckets.counts)
+    whole = float(n_buckets)
     for i in range(len(squared)):
-        buckets.bags[_BUCKET, i] = np.int32(n_buckets * (squared[i] / (squared[i] + scale)))
+        # t / (t + scale) in a form that rounding keeps monotonic.
+        buckets.bags[_BUCKET, i] = np.int32(whole - whole * scale / (squared[i] + scale))
     for k in range(n_buckets):
-        buckets.table[k, 0] = buckets.table[k, 1] = 0
-        buckets.table[k, _HEAD] = -1
-    n_positive = 0
+        buckets.counts[k] = 0
+        buckets.heads[k] = -1
+    total = 0
     for i in range(len(squared)):
         k = min(buckets.bags[_BUCKET, i], n_buckets - 1)
-        buckets.bags[_NEXT, i] = buckets.table[k, _HEAD]
-        buckets.table[k, _HEAD] = i
-        buckets.table[k, positive[i]] += 1
-        n_positive += positive[i]
-    return n_positive
+        buckets.bags[_NEXT, i] = buckets.heads[k]
+        buckets.heads[k] = i
+        buckets.counts[k] += weights[i]
+        total += weights[i]
+    return total >> 32
 
 
 @kernel
-def _best_bucket(
-    objective: int, totals: tuple[int, int], table: NDArray[np.float64], buckets: Buckets
+def _score_buckets(
+    objective: tuple[int, NDArray[np.float64]], totals: tuple[int, int], buckets: Buckets
 ) -> tuple[float, int]:
-    """Best score of the cuts at the ends of buckets, and the first bucket that reaches it."""
-    best, best_bucket = -np.inf, -1
-    inside_positive, inside_negative = 0, 0
-    for k in range(len(buckets.table)):
-        negatives, positives = buckets.table[k, 0], buckets.table[k, 1]
-        first = inside_positive + inside_negative == 0
-        inside_positive += positives
-        inside_negative += negatives
-        # Behind negatives alone a cut is never better than before them, unless it is the first.
-        if positives == 0 and (negatives == 0 or not first):
+    """Score the cuts behind all buckets and what is hoped for inside; the best cut's score and bucket.
+
+    Nothing here branches on the data: a mispredicted branch per bucket would cost more than all else.
+    """
+    code, table = objective
+    n_buckets = len(buckets.counts)
+    positive, negative = 0, 0
+    for k in range(n_buckets):
+        before = negative
+        positive += buckets.counts[k] >> 32
+        negative += buckets.counts[k] & _NEGATIVES
+        buckets.scores[_BEHIND, k] = score_counts(code, positive, negative, totals, table)
+        hoped = score_counts(code, positive, before, totals, table)
+        # Where negatives come first, a cut behind one of them is the least that can be had.
+        only_negatives = positive + before == 0 and negative > 0
+        buckets.scores[_HOPED, k] = np.inf if only_negatives else hoped
+    best = -np.inf
+    for k in range(n_buckets):
+        best = max(best, buckets.scores[_BEHIND, k])
+    for k in range(n_buckets):
+        if buckets.heads[k] >= 0 and buckets.scores[_BEHIND, k] == best and best > -np.inf:
+            return best, k
+    return -np.inf, -1
+
+
+@kernel
+def _best_inside(
+    k: int,
+    squared: NDArray[np.float64],
+    weights: NDArray[np.int64],
+    objective: tuple[int, NDArray[np.float64]],
+    totals: tuple[int, int],
+    buckets: Buckets,
+) -> tuple[float, float]:
+    """Score and edge of the best cut behind a bag of bucket k, the smallest one of equals."""
+    code, table = objective
+    total = 0
+    for earlier in range(k):
+        total += buckets.counts[earlier]
+    count = _sort_bucket(k, squared, buckets)
+    best, edge = -np.inf, -np.inf
+    for j in range(count):
+        bag = buckets.bags[_SORTED, j]
+        total += weights[bag]
+        if j + 1 < count and squared[buckets.bags[_SORTED, j + 1]] == squared[bag]:
             continue
-        score = score_counts(objective, inside_positive, inside_negative, totals, table)
+        score = score_counts(code, total >> 32, total & _NEGATIVES, totals, table)
         if score > best:
-            best, best_bucket = score, k
-    return best, best_bucket
+            best, edge = score, squared[bag]
+    return best, edge
 
 
 @kernel
 def _sort_bucket(k: int, squared: NDArray[np.float64], buckets: Buckets) -> int:
-    """Bags of bucket k by distance into `buckets.members`; how many there are."""
+    """Bags of bucket k by distance into ``buckets.bags[_SORTED]``; how many there are."""
     count = 0
-    bag = buckets.table[k, _HEAD]
+    bag = buckets.heads[k]
     while bag >= 0:
         place = count
         while place > 0 and squared[buckets.bags[_SORTED, place - 1]] > squared[bag]:

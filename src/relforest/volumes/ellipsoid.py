@@ -61,7 +61,7 @@ class Ellipsoid:
     @property
     def precision(self) -> NDArray[np.float64]:
         """Inverse of the covariance, (d, d)."""
-        return np.linalg.inv(self.covariance)
+        return np.linalg.inv(self.covariance).astype(np.float64)
 
     @property
     def axes(self) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
+from scipy.special import xlogy
 
 from relforest.support.jit import kernel
 
@@ -21,10 +22,7 @@ OBJECTIVES: Final = MappingProxyType({"accuracy": ACCURACY, "log-likelihood": LO
 
 def entropy_table(n: int) -> NDArray[np.float64]:
     """``k ln k`` for k = 0 .. n, so that no logarithm is taken while volumes are tried."""
-    counts = np.arange(n + 1, dtype=np.float64)
-    counts[0] = 1.0
-    table: NDArray[np.float64] = np.arange(n + 1) * np.log(counts)
-    return table
+    return xlogy(np.arange(n + 1.0), np.arange(n + 1.0))
 
 
 @kernel
@@ -45,12 +43,11 @@ def score_counts(
     positives, negatives = totals
     outside_positive = positives - inside_positive
     outside_negative = negatives - inside_negative
-    if objective == ACCURACY:
-        return float(inside_positive + outside_negative)
     inside = inside_positive + inside_negative
     outside = outside_positive + outside_negative
-    if outside == 0 or inside_positive * outside <= outside_positive * inside:
-        return -np.inf
+    if objective == ACCURACY:
+        return float(inside_positive + outside_negative) if inside > 0 else -np.inf
     yes = table[inside_positive] + table[inside_negative] - table[inside]
     no = table[outside_positive] + table[outside_negative] - table[outside]
-    return yes + no
+    admissible = inside_positive * outside > outside_positive * inside
+    return float(yes + no) if admissible else -np.inf

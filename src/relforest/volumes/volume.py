@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from relforest.support.errors import ModelFormatError
 from relforest.volumes.arc import Arc
 from relforest.volumes.ellipsoid import Ellipsoid
@@ -22,7 +20,7 @@ def volume_from_dict(document: object) -> Volume:
     if not isinstance(document, dict):
         msg = f"malformed volume: expected an object, got {type(document).__name__}"
         raise ModelFormatError(msg)
-    shapes: dict[Any, type[Ellipsoid] | type[Arc]] = {"ellipsoid": Ellipsoid, "arc": Arc}
+    shapes: dict[str, type[Ellipsoid | Arc]] = {"ellipsoid": Ellipsoid, "arc": Arc}
     shape = document.get("shape")
     if not isinstance(shape, str) or shape not in shapes:
         msg = f"unknown volume shape {shape!r}: expected one of {', '.join(shapes)}"

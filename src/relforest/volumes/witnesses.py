@@ -31,7 +31,8 @@ def witness_distances(
     if dim > 3:
         _distances_general(bags, centre, whitening, squared)
         return
-    squared[:] = np.inf
+    for i in range(len(squared)):
+        squared[i] = np.inf
     for slot in range(len(bags.offsets) - 1):
         first, last = bags.offsets[slot], bags.offsets[slot + 1]
         # Slices of single rows stay contiguous, which the compiler needs to vectorise.
@@ -167,4 +168,4 @@ def nearest_instance(
                 total += component * (component if dim > 3 else bags.points[i, column] - centre[i])
         if total < best:
             nearest, best = column, total
-    return nearest
+    return int(nearest)

@@ -9,6 +9,5 @@ from __future__ import annotations
 from relforest.experiments.covagg.analysis import figures, summarize
 from relforest.experiments.covagg.run import run
 from relforest.experiments.covagg.settings import SETTINGS, SMOKE
-from relforest.experiments.study import Study
 
-__all__ = ["SETTINGS", "SMOKE", "Study", "figures", "run", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]

@@ -1,0 +1,30 @@
+"""Run all benchmarks, print their tables and save them under ``benchmarks/results``.
+
+Times are CPU times of one thread on this machine; every ratio compares with a peer measured in the same run.
+"""
+
+from __future__ import annotations
+
+import platform
+
+import bench_compile
+import bench_covagg
+import bench_tree
+import numba
+import numpy as np
+
+
+def main() -> None:
+    """Run one benchmark after the other."""
+    print(
+        f"Python {platform.python_version()}, NumPy {np.__version__}, Numba {numba.__version__}, "
+        f"{platform.machine()}, CPU time, one thread"
+    )
+    bench_covagg.run().report()
+    for table in bench_tree.run():
+        table.report()
+    bench_compile.run().report()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""Table -> false-positive rates, the interval in which a calibrated test would lie, claims and a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import final
+
+from matplotlib.figure import Figure
+from scipy import stats
+
+from relforest.experiments.calibration.settings import ALPHA, CLAIMED, PERMUTATION
+from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.table import Table, aligned
+from relforest.reports.style import BLUE, INK, ORANGE, PALE, styled
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """How often one test accepted a question on noise.
+
+    Parameters
+    ----------
+    test, objects : str
+        The test, and the number of objects of a scene.
+    n_sets, n_accepted : int
+        Scene sets, and those in which a question was accepted.
+    """
+
+    test: str
+    objects: str
+    n_sets: int
+    n_accepted: int
+
+    @property
+    def rate(self) -> float:
+        """The false-positive rate."""
+        return self.n_accepted / self.n_sets
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The central 95 % of the rates that a test of level `ALPHA` would show on so many sets."""
+        low, high = stats.binom.ppf((0.025, 0.975), self.n_sets, ALPHA) / self.n_sets
+        return float(low), float(high)
+
+
+def rates(table: Table) -> Iterator[Rate]:
+    """Yield the rate of each test at each size."""
+    for test in table.distinct("test"):
+        own = table.where(test=test)
+        for objects in own.distinct("objects"):
+            accepted = own.where(objects=objects).numbers("accepted")
+            yield Rate(str(test), str(objects), len(accepted), int(accepted.sum()))
+
+
+def summarize(table: Table) -> Findings:
+    """State the rates; that of the permutation test must lie in the interval of a calibrated test."""
+    rows, claims = [], []
+    for found in rates(table):
+        low, high = found.interval
+        rows.append(
+            (
+                found.test,
+                found.objects,
+                str(found.n_sets),
+                str(found.n_accepted),
+                f"{found.rate:.3f}",
+                f"{low:.3f} to {high:.3f}",
+                "yes" if low <= found.rate <= high else "no",
+            )
+        )
+        if found.test == PERMUTATION and found.objects == CLAIMED:
+            name = f"{found.test} test, scenes of {found.objects} objects: false-positive rate"
+            claims.append(Claim(name, found.rate, low=low, high=high))
+    header = ("test", "objects", "sets", "accepted", "rate", "95 % of a calibrated test", "inside")
+    text = (
+        f"How often a tree grew where labels were shuffled (alpha = {ALPHA}; sets of "
+        f"{table.cells('scenes')[0]} scenes, one 2-D attribute)\n\n" + aligned(header, rows)
+    )
+    return Findings(text, tuple(claims))
+
+
+def figures(table: Table) -> Mapping[str, Figure]:
+    """Draw the rate of each test at each size, over the interval of a calibrated test."""
+    with styled():
+        figure = Figure(figsize=(6.0, 2.8), layout="constrained")
+        axes = figure.add_subplot()
+        labels = []
+        for place, found in enumerate(rates(table)):
+            low, high = found.interval
+            axes.barh(place, high - low, left=low, height=0.7, color=PALE)
+            axes.plot(found.rate, place, "o", color=BLUE if found.test == PERMUTATION else ORANGE)
+            labels.append(f"{found.test}, {found.objects} objects")
+        axes.axvline(ALPHA, color=INK, linewidth=0.8)
+        axes.set_yticks(range(len(labels)), labels)
+        axes.invert_yaxis()
+        axes.set_xlim(0, 1)
+        axes.set_xlabel("false-positive rate (band: 95 % of a calibrated test)")
+    return {"rates.png": figure}

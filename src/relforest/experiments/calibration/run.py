@@ -1,0 +1,71 @@
+"""A test and a size of scenes -> whether a tree grew on each of a number of label-shuffled scene sets."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.experiments.calibration.settings import ALPHA, CalibrationSetting
+from relforest.experiments.study import Place
+from relforest.experiments.table import Row
+from relforest.scenes import Attribute, Scenes, Schema
+from relforest.support.rng import generator, stream
+from relforest.trees import SMRFTreeClassifier
+
+_DATA, _LEARNING = 0, 1
+_SCHEMA: Final = Schema((Attribute("location", 2),))
+
+
+def run(setting: CalibrationSetting, place: Place) -> list[Row]:
+    """Return a row per scene set: test, objects, scenes, block, set, accepted.
+
+    A set counts as accepted if its tree is no stub, that is, if the test let any question pass at the root.
+
+    References
+    ----------
+    Palmer (2015), section 4.2 (the likelihood ratio test); the permutation test is an addition of this library.
+    """
+    rows: list[Row] = []
+    for number in range(setting.n_sets):
+        scenes, labels = noise(generator(stream(place.stream, number, _DATA)), setting)
+        learner = SMRFTreeClassifier(
+            test=setting.test, alpha=ALPHA, random_state=stream(place.stream, number, _LEARNING)
+        )
+        rows.append(
+            {
+                "test": setting.test,
+                "objects": setting.objects,
+                "scenes": setting.n_scenes,
+                "block": setting.block,
+                "set": number,
+                "accepted": not learner.fit(scenes, labels).tree_.is_stub,
+            }
+        )
+    return rows
+
+
+def noise(rng: np.random.Generator, setting: CalibrationSetting) -> tuple[Scenes, NDArray[np.bool_]]:
+    """Draw scenes with normal locations, and labels that have nothing to do with them.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of randomness.
+    setting : CalibrationSetting
+
+    Returns
+    -------
+    scenes : Scenes
+        Attribute ``location`` (2-D), no arguments.
+    labels : (n_scenes,) bool
+        Half of them True, in random order.
+    """
+    counts = rng.integers(setting.fewest, setting.most + 1, size=setting.n_scenes)
+    matrix = rng.standard_normal((int(counts.sum()), 2))
+    labels = np.arange(setting.n_scenes) < setting.n_scenes // 2
+    rng.shuffle(labels)
+    starts = np.cumsum(counts) - counts
+    arguments = np.empty((setting.n_scenes, 0), dtype=np.int64)
+    return Scenes(_SCHEMA, matrix, np.arange(len(matrix)), starts, counts, arguments), labels

@@ -1,0 +1,97 @@
+"""A concept and a seed -> the test scores of the learned tree, and the tree in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.datasets import between_scenes, figure41_scenes, yellow_scenes
+from relforest.experiments.concepts.settings import (
+    CROWDED,
+    LARGER,
+    N_DISTRACTORS,
+    N_OBJECTS,
+    N_OBJECTS_LARGER,
+    SAME,
+    ConceptSetting,
+)
+from relforest.experiments.study import Place
+from relforest.experiments.table import Row
+from relforest.metrics import peirce_skill_score
+from relforest.scenes import Scenes
+from relforest.support.rng import generator, stream
+from relforest.trees import SMRFTreeClassifier
+
+Labelled: TypeAlias = tuple[Scenes, NDArray[np.bool_]]
+Draw: TypeAlias = Callable[[np.random.Generator, int], Labelled]
+
+_TRAINING, _TESTING, _LEARNING = 0, 1, 2
+
+
+def run(setting: ConceptSetting, place: Place) -> list[Row]:
+    """Return a row per kind of test scenes: concept, replicate, test, pss, leaves, tree (in words).
+
+    References
+    ----------
+    Palmer (2015), section 4.2 and Figure 4.1 (learning relational concepts), section 3.3.3 (the score).
+    """
+    draw_training, *draw_testing = SCENES[setting.concept]
+    scenes, labels = draw_training[1](generator(stream(place.stream, _TRAINING)), setting.n_scenes)
+    learner = SMRFTreeClassifier(random_state=stream(place.stream, _LEARNING)).fit(scenes, labels)
+    rows: list[Row] = []
+    for number, (test, draw) in enumerate([draw_training, *draw_testing]):
+        new_scenes, truth = draw(generator(stream(place.stream, _TESTING, number)), setting.n_scenes)
+        rows.append(
+            {
+                "concept": setting.concept,
+                "replicate": setting.replicate,
+                "test": test,
+                "pss": peirce_skill_score(truth, learner.predict(new_scenes)),
+                "leaves": learner.tree_.n_leaves,
+                "tree": str(learner.tree_),
+            }
+        )
+    return rows
+
+
+def _between(rng: np.random.Generator, n: int) -> Labelled:
+    return between_scenes(rng, n, n_objects=N_OBJECTS)
+
+
+def _between_larger(rng: np.random.Generator, n: int) -> Labelled:
+    return between_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
+
+
+def _between_crowded(rng: np.random.Generator, n: int) -> Labelled:
+    return between_scenes(rng, n, n_objects=N_OBJECTS, n_distractors=N_DISTRACTORS)
+
+
+def _figure41(rng: np.random.Generator, n: int) -> Labelled:
+    return figure41_scenes(rng, n, n_objects=N_OBJECTS)
+
+
+def _figure41_larger(rng: np.random.Generator, n: int) -> Labelled:
+    return figure41_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
+
+
+def _yellow(rng: np.random.Generator, n: int) -> Labelled:
+    return yellow_scenes(rng, n, n_objects=N_OBJECTS)
+
+
+def _yellow_larger(rng: np.random.Generator, n: int) -> Labelled:
+    return yellow_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
+
+
+SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = MappingProxyType(
+    {
+        "between": ((SAME, _between), (LARGER, _between_larger), (CROWDED, _between_crowded)),
+        "between-crowded": ((SAME, _between_crowded),),
+        "figure41": ((SAME, _figure41), (LARGER, _figure41_larger)),
+        "yellow": ((SAME, _yellow), (LARGER, _yellow_larger)),
+    }
+)
+"""For each concept the kinds of scenes that its trees are tested on; the first one is also learned from."""

@@ -1,0 +1,69 @@
+"""The concepts, how many scenes they are learned from, and the scores that the trees must reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, final
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ConceptSetting:
+    """One tree: a concept and a seed.
+
+    Parameters
+    ----------
+    concept : str
+        A key of `TITLES`.
+    replicate : int
+        Number of the seed.
+    n_scenes : int
+        Scenes in the training set, and in each test set.
+    """
+
+    concept: str
+    replicate: int
+    n_scenes: int = 500
+
+    def __str__(self) -> str:
+        """Return the title of the concept and the number of the seed."""
+        return f"{TITLES[self.concept]}, seed {self.replicate}"
+
+
+TITLES: Final = MappingProxyType(
+    {
+        "between": "an object between A and B",
+        "between-crowded": "the same among 20 more objects",
+        "figure41": "the concept of Figure 4.1",
+        "yellow": "a yellow object",
+    }
+)
+
+SAME: Final = "same"
+LARGER: Final = "15 objects"
+CROWDED: Final = "20 more objects"
+
+N_OBJECTS: Final = (5, 8)
+N_OBJECTS_LARGER: Final = 15
+N_DISTRACTORS: Final = 20
+
+THRESHOLDS: Final = MappingProxyType(
+    {
+        ("between", SAME): 0.9,
+        ("between", LARGER): 0.85,
+        ("between-crowded", SAME): 0.85,
+        ("figure41", SAME): 0.85,
+        ("figure41", LARGER): 0.85,
+        ("yellow", SAME): 0.85,
+        ("yellow", LARGER): 0.85,
+    }
+)
+"""Mean test score to be reached, by concept and kind of test scenes."""
+
+N_REPLICATES: Final = 5
+
+SETTINGS: Final = tuple(
+    ConceptSetting(concept, replicate) for concept in TITLES for replicate in range(N_REPLICATES)
+)
+SMOKE: Final = (ConceptSetting("between", 0, 40), ConceptSetting("yellow", 0, 40))

@@ -1,0 +1,68 @@
+"""The table behind the picture of what was learned in the corridor: values, errors and leaves over x."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from relforest.reports.corridor_figure import BellmanErrors, LeafBand, corridor_figure
+from relforest.rl.bellman import look_ahead
+from relforest.rl.features import forest_features
+from relforest.rl.rollout import world_of
+from relforest.rl.rpi import SMRFRPI
+from relforest.rl.samples import draw_samples
+from relforest.rl.value import action_schemas
+from relforest.scenes import Scenes, Schema
+from relforest.scenes.arrays import FloatArray
+from relforest.trees import query
+
+_N_X = 401
+
+
+def q_function_figure(agent: SMRFRPI) -> Figure:
+    """Draw Q values, Bellman errors of the latest training batch, and active leaves of an agent in the corridor.
+
+    Parameters
+    ----------
+    agent : SMRFRPI
+        Has learned for at least one iteration in a world with one object and one 1-D attribute.
+
+    References
+    ----------
+    Palmer (2015), Figure 7.1.
+    """
+    x = np.linspace(0.0, 1.0, _N_X)
+    value = agent.value_
+    grids = [_grid(x, schema) for schema in action_schemas(value.schema, value.action_types)]
+    q_values = np.array([value.scene_values(kind, grid) for kind, grid in enumerate(grids)])
+    bands = [
+        LeafBand(kind, query(tree, grids[kind]).leaf) for kind, trees in enumerate(value.forests) for tree in trees
+    ]
+    names = [action_type.name for action_type in value.action_types]
+    trees = f"{value.n_trees} tree" + ("s" if value.n_trees != 1 else "")
+    title = f"after {len(agent.experience_)} iterations: {trees}, {value.n_leaves} leaves"
+    return corridor_figure(x, q_values, names, _errors(agent), bands, title=title)
+
+
+def _errors(agent: SMRFRPI) -> BellmanErrors:
+    value, batch = agent.value_, agent.experience_[-1]
+    samples = draw_samples(
+        [batch],
+        action_schemas(value.schema, value.action_types),
+        discount=world_of(agent.env).discount,
+        max_samples=1,
+        bootstrap_on_truncation=agent.settings.bootstrap_on_truncation,
+        seed=np.random.SeedSequence(0),
+    )
+    tables = [
+        forest_features(trees, scenes, value.features)
+        for trees, scenes in zip(value.forests, samples.scenes, strict=True)
+    ]
+    errors = look_ahead(tables, value.weights, samples.latest).errors
+    return BellmanErrors(batch.matrix[batch.objects[batch.states], 0], samples.latest.types, errors)
+
+
+def _grid(x: FloatArray, schema: Schema) -> Scenes:
+    numbers = np.arange(len(x))
+    arguments = np.empty((len(x), 0), dtype=np.int64)
+    return Scenes(schema, x[:, None].copy(), numbers, numbers, np.ones(len(x), dtype=np.int64), arguments)

@@ -1,0 +1,43 @@
+"""All studies by name; a new one is added here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+from relforest.experiments import calibration, concepts, covagg
+from relforest.experiments.study import Study
+
+_ALL: Final[tuple[Study[Any], ...]] = (
+    Study(
+        "covagg",
+        "Does covariant aggregation reach the source's scores on synthetic bags?",
+        covagg.SETTINGS,
+        covagg.SMOKE,
+        covagg.run,
+        covagg.summarize,
+        covagg.figures,
+    ),
+    Study(
+        "concepts",
+        "Do SMRF trees recover known relational concepts, and carry them over to larger scenes?",
+        concepts.SETTINGS,
+        concepts.SMOKE,
+        concepts.run,
+        concepts.summarize,
+        concepts.figures,
+    ),
+    Study(
+        "calibration",
+        "How often does each test of an expansion accept a question where there is nothing to learn?",
+        calibration.SETTINGS,
+        calibration.SMOKE,
+        calibration.run,
+        calibration.summarize,
+        calibration.figures,
+    ),
+)
+
+STUDIES: Final[Mapping[str, Study[Any]]] = MappingProxyType({study.name: study for study in _ALL})
+"""Name of a study, as the command line has it -> the study."""

@@ -1,0 +1,36 @@
+"""What a run folder says about its progress, whoever is working in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from relforest.rl.checkpoint import CHECKPOINT, FORMAT, VERSION
+from relforest.support.errors import ModelFormatError
+from relforest.support.files import read_json
+
+
+def metrics_of(folder: Path) -> list[dict[str, Any]]:
+    """Return the metrics of a run, a row per iteration so far, row 0 = before learning; none if it has not begun.
+
+    Raises
+    ------
+    ModelFormatError
+        If its checkpoint is damaged.
+    """
+    path = folder / CHECKPOINT
+    if not path.exists():
+        return []
+    metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
+    if not isinstance(metrics, list):
+        raise ModelFormatError(f"{path} is damaged: it has no list of metrics; restore it or choose another folder")
+    return metrics
+
+
+def iterations_of(folder: Path) -> int:
+    """Return how many iterations a run has completed; -1 if it has not begun or its checkpoint is damaged."""
+    try:
+        return len(metrics_of(folder)) - 1
+    except ModelFormatError:
+        # Whoever continues the run says what is wrong with it.
+        return -1

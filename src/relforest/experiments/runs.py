@@ -1,0 +1,152 @@
+"""The run store of ``relforest learn``: one folder per run, resumed after any interruption.
+
+A run folder holds ``run.json`` (configuration, versions, seed; written first), what
+`relforest.rl.checkpoint` describes, and two pictures. With several runs there is one such folder for each, and
+``run.json`` and the picture of all rewards stand in the folder around them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from relforest.experiments.folders import claimed
+from relforest.experiments.run_config import RunConfig
+from relforest.experiments.run_metrics import iterations_of, metrics_of
+from relforest.experiments.run_pictures import draw_runs
+from relforest.experiments.watching import watching
+from relforest.rl.rpi import SMRFRPI
+from relforest.support.options import at_least
+from relforest.support.parallel import run_tasks
+from relforest.support.rng import seed_sequence, stream
+
+OnIteration: TypeAlias = Callable[[int, dict[str, Any], dict[str, float]], None]
+
+
+def learn_runs(
+    config: RunConfig,
+    out: str | os.PathLike[str],
+    *,
+    n_jobs: int = 1,
+    on_iteration: OnIteration | None = None,
+) -> list[Path]:
+    """Learn, or go on with learning, until every run has had all its iterations; then draw the pictures.
+
+    Parameters
+    ----------
+    config : RunConfig
+    out : path
+        Where the files go. If it holds runs of the same configuration, they are taken up where they stopped, with
+        the same result as if they never had; finished ones are left as they are, and more iterations extend them.
+    n_jobs : int
+        Runs at the same time, in processes; of a single run, candidate trees at the same time. The result does not
+        depend on it. -1 = all cores.
+    on_iteration : callable, optional
+        Called as ``on_iteration(run, row, seconds)`` after each new iteration of each run: `row` is a line of
+        ``metrics.jsonl``, `seconds` says what took how long. Iterations of other processes are reported with a
+        delay and without seconds.
+
+    Returns
+    -------
+    list of path
+        The folder of each run.
+
+    Raises
+    ------
+    InputError
+        If `n_jobs` is neither -1 nor at least 1.
+    RunFolderError
+        If a folder is in use by a living process, is not empty but no run folder, belongs to another
+        configuration, or is damaged.
+    """
+    if n_jobs != -1:
+        at_least("n_jobs", n_jobs, 1)
+    folder = Path(out)
+    folders = config.folders(folder)
+    if config.runs == 1:
+        learn_run(config, 0, folder, n_jobs=n_jobs, on_iteration=on_iteration)
+        # Learning holds the lock itself, and drawing must not meet another process.
+        with claimed(folder, config.identity(), is_finished=lambda: _is_finished(config, folders)):
+            draw_runs(config, folder)
+        return folders
+    with claimed(folder, config.identity(), is_finished=lambda: _is_finished(config, folders)):
+        _learn_many(config, folders, n_jobs, on_iteration)
+        draw_runs(config, folder)
+    return folders
+
+
+def learn_run(
+    config: RunConfig,
+    run: int,
+    folder: Path,
+    *,
+    n_jobs: int = 1,
+    on_iteration: OnIteration | None = None,
+) -> None:
+    """Learn one of the runs of a configuration in a folder of its own; no picture is drawn.
+
+    Parameters and errors are those of `learn_runs`, `run` is its number.
+    """
+    report = None
+    if on_iteration is not None:
+        tell = on_iteration
+
+        def report(row: dict[str, Any], seconds: dict[str, float]) -> None:
+            tell(run, row, seconds)
+
+    identity = config.identity(run)
+    with claimed(folder, identity, is_finished=lambda: _is_finished(config, [folder])):
+        pass
+    agent = SMRFRPI(
+        config.definition.make(),
+        settings=config.settings,
+        random_state=stream(seed_sequence(config.seed), run),
+        n_jobs=n_jobs,
+        checkpoint=folder,
+    )
+    agent.learn(
+        config.iterations, config.episodes, test_episodes=config.test_episodes, on_iteration=report
+    )
+
+
+def warm_up(config: RunConfig) -> None:
+    """Compile everything that learning needs, so that processes started later find it in the cache."""
+    SMRFRPI(config.definition.make(), settings=config.settings, random_state=0).learn(1, 20, test_episodes=1)
+
+
+def _learn_many(
+    config: RunConfig, folders: list[Path], n_jobs: int, on_iteration: OnIteration | None
+) -> None:
+    tasks = list(enumerate(folders))
+    unfinished = [(run, folder) for run, folder in tasks if not _is_finished(config, [folder])]
+    if n_jobs == 1 or len(unfinished) < 2:
+        for run, folder in tasks:
+            learn_run(config, run, folder, on_iteration=on_iteration)
+        return
+    warm_up(config)
+    with watching(_announcer(dict(unfinished), on_iteration)):
+        run_tasks(learn_run, [(config, run, folder) for run, folder in tasks], n_jobs=n_jobs, prefer="processes")
+
+
+def _is_finished(config: RunConfig, folders: list[Path]) -> bool:
+    return all(iterations_of(folder) >= config.iterations for folder in folders)
+
+
+def _announcer(folders: dict[int, Path], on_iteration: OnIteration | None) -> Callable[[], None]:
+    """Return a function that tells of the iterations completed since it was called last."""
+    if on_iteration is None:
+        return lambda: None
+    tell = on_iteration
+    told = {run: iterations_of(folder) for run, folder in folders.items()}
+
+    def announce() -> None:
+        for run, folder in folders.items():
+            if iterations_of(folder) > told[run]:
+                new = metrics_of(folder)[told[run] + 1 :]
+                told[run] += len(new)
+                for row in new:
+                    tell(run, row, {})
+
+    return announce

@@ -1,0 +1,72 @@
+"""How the parts of a tree's picture share a page: head, tree, panels. Lengths are in inches from the top left."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, final
+
+MARGIN: Final = 0.25
+GAP: Final = 0.35
+_SHAPE: Final = 1.5
+_LEAST_WIDTH: Final = 3.6
+
+Place = tuple[float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page with the places of the tree's top left corner and of each panel's."""
+
+    width: float
+    height: float
+    tree: Place
+    panels: tuple[Place, ...]
+
+
+def arrange(
+    tree: tuple[float, float], panel: tuple[float, float], n_panels: int, *, head: tuple[float, float]
+) -> Page:
+    """Put panels beside or below a tree, whichever is closest to the shape of a landscape page.
+
+    Parameters
+    ----------
+    tree, panel, head : (width, height)
+        What the tree, each panel and the lines above them need.
+    n_panels : int
+    """
+    pages = []
+    for columns in range(1, max(n_panels, 1) + 1):
+        rows = math.ceil(n_panels / columns)
+        block = (columns * panel[0], rows * panel[1]) if n_panels else (0.0, 0.0)
+        for beside in (True, False):
+            pages.append(_page(tree, panel, (n_panels, columns), block, head=head, beside=beside))
+    return min(pages, key=lambda page: (max(page.width, _SHAPE * page.height), page.width * page.height))
+
+
+def _page(
+    tree: tuple[float, float],
+    panel: tuple[float, float],
+    grid: tuple[int, int],
+    block: tuple[float, float],
+    *,
+    head: tuple[float, float],
+    beside: bool,
+) -> Page:
+    n_panels, columns = grid
+    gap = GAP if n_panels else 0.0
+    top = MARGIN + head[1] + 0.12
+    if beside:
+        inner = (tree[0] + gap + block[0], max(tree[1], block[1]))
+    else:
+        inner = (max(tree[0], block[0]), tree[1] + gap + block[1])
+    width = max(inner[0], head[0], _LEAST_WIDTH)
+    spare = (width - inner[0]) / 2
+    tree_left = MARGIN + (spare if beside else (width - tree[0]) / 2)
+    first = (MARGIN + spare + tree[0] + gap, top) if beside else (MARGIN + (width - block[0]) / 2, top + tree[1] + gap)
+    places = tuple(
+        (first[0] + (number % columns) * panel[0], first[1] + (number // columns) * panel[1])
+        for number in range(n_panels)
+    )
+    return Page(width + 2 * MARGIN, inner[1] + top + MARGIN, (tree_left, top), places)
