@@ -35,12 +35,12 @@ def is_red(color: Point) -> bool:
 
 
 def red_at_origin(locations: list[Point], colors: list[Point]) -> bool:
-    return any(is_red(c) and math.hypot(*x) <= 1.5 for x, c in zip(locations, colors, strict=True))
+    return any(is_red(c) and math.hypot(*x) <= 2 for x, c in zip(locations, colors, strict=True))
 
 
 def other_than_red_with_a_far_one(locations: list[Point], colors: list[Point]) -> bool:
     return any(
-        not is_red(c) and any(math.dist(x, y) > 9.5 for y in locations)
+        not is_red(c) and any(math.dist(x, y) > 10 for y in locations)
         for x, c in zip(locations, colors, strict=True)
     )
 
@@ -66,7 +66,7 @@ def test_figure41_labels_follow_the_rule_and_both_disjuncts_matter() -> None:
         only_first += first and not second
         only_second += second and not first
     assert only_first >= 40
-    assert only_second >= 80
+    assert only_second >= 40
 
 
 def test_figure41_needs_the_colour_of_the_far_pair() -> None:
@@ -74,7 +74,7 @@ def test_figure41_needs_the_colour_of_the_far_pair() -> None:
     far_reds_in_negatives = 0
     for scene in np.flatnonzero(~labels):
         locations = points(scenes, "location", int(scene))
-        far_reds_in_negatives += any(math.dist(x, y) > 9.5 for x in locations for y in locations)
+        far_reds_in_negatives += any(math.dist(x, y) > 10 for x in locations for y in locations)
     assert far_reds_in_negatives >= 10
 
 

@@ -31,8 +31,8 @@ _BETWEEN_ACROSS: Final = 0.15
 
 _FIGURE41_HALF_WIDTH: Final = 5.0
 _FIGURE41_RED_SHARE: Final = 0.5
-_FIGURE41_AT_ORIGIN: Final = 1.5
-_FIGURE41_NEAR: Final = 9.5
+_FIGURE41_AT_ORIGIN: Final = 2.0
+_FIGURE41_NEAR: Final = 10.0
 
 _HUES: Final = np.array(
     [
@@ -152,8 +152,8 @@ def figure41_scenes(
     -----
     Locations are uniform in [-5, 5]^2. Half of the objects are red, a quarter green, a quarter blue; the
     channel of that name is uniform in [.7, 1], the other two in [0, .3]. Red: the red channel above .5 and
-    the others below. At the origin: within 1.5 of (0, 0). Near: at most 9.5 apart. With 5 to 8 objects and
-    before balancing, the first disjunct holds in .20 of the scenes, the second in .36, either in .50.
+    the others below. At the origin: within 2 of (0, 0). Near: at most 10 apart. With 5 to 8 objects and
+    before balancing, the first disjunct holds in .34 of the scenes, the second in .24, either in .51.
 
     References
     ----------

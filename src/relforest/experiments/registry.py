@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from relforest.experiments import calibration, concepts, covagg
+from relforest.experiments import calibration, concepts, corridor, covagg
 from relforest.experiments.study import Study
 
 _ALL: Final[tuple[Study[Any], ...]] = (
@@ -36,6 +36,15 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         calibration.run,
         calibration.summarize,
         calibration.figures,
+    ),
+    Study(
+        "corridor",
+        "How fast does SMRF-RPI learn the corridor, and what are densities good for?",
+        corridor.SETTINGS,
+        corridor.SMOKE,
+        corridor.run,
+        corridor.summarize,
+        corridor.figures,
     ),
 )
 

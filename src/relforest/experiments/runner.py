@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
@@ -21,7 +22,7 @@ from relforest.reports.figure_files import save_figure
 from relforest.support.errors import ModelFormatError, RunFolderError
 from relforest.support.files import read_json, write_json, write_text
 from relforest.support.options import at_least
-from relforest.support.parallel import run_tasks
+from relforest.support.parallel import one_blas_thread, run_tasks
 
 S = TypeVar("S", bound=Setting)
 
@@ -85,6 +86,8 @@ def run_study(
         ]
         if (folder / _SETTINGS).is_dir():
             remove_temporary_files(folder / _SETTINGS)
+        if study.compiles and n_jobs != 1 and len(tasks) > 1:
+            _warm_up(study)
         with watching(_announcer(study.name, files, settings, on_progress)):
             run_tasks(_run_setting, tasks, n_jobs=n_jobs, prefer="processes")
         table = Table.of(
@@ -103,6 +106,11 @@ def _report(study: Study[S], table: Table, folder: Path) -> Findings:
     for name, figure in study.figures(table).items():
         save_figure(figure, folder / name)
     return findings
+
+
+def _warm_up(study: Study[S]) -> None:
+    with TemporaryDirectory() as folder, one_blas_thread():
+        study.run(study.smoke[0], Place(0, 0, Path(folder)))
 
 
 def _run_setting(run: Callable[[S, Place], list[Row]], setting: S, place: Place, file: Path) -> None:

@@ -73,6 +73,9 @@ class Study(Generic[S]):
         Turns the table of all rows into findings.
     figures : callable
         Turns the table into figures by file name.
+    compiles : bool
+        Whether settings call kernels in the process that runs them. These are then compiled before several
+        processes start, by running the first small setting.
     """
 
     name: str
@@ -82,3 +85,4 @@ class Study(Generic[S]):
     run: Callable[[S, Place], list[Row]]
     summarize: Callable[[Table], Findings]
     figures: Callable[[Table], Mapping[str, Figure]]
+    compiles: bool = True

@@ -9,6 +9,7 @@ from typing import Final, final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from relforest.reports.style import GREY, INK, PAPER, SERIES, mixed, styled
@@ -94,18 +95,18 @@ def corridor_figure(
     """
     x, q_values = np.asarray(x, dtype=np.float64), np.asarray(q_values, dtype=np.float64)
     _check(x, q_values, action_names, leaf_bands)
-    bands_height = max(0.35, _BAND_HEIGHT * len(leaf_bands))
+    bands_height = min(max(0.35, _BAND_HEIGHT * len(leaf_bands)), _TOP_HEIGHT)
     with styled():
         figure = Figure(figsize=(_WIDTH, _TOP_HEIGHT + bands_height + 1.0), layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(_TOP_HEIGHT, bands_height))
         _draw_policy(top, x, q_values)
-        _draw_values(top, x, q_values, action_names)
+        _draw_values(top, x, q_values)
         _draw_errors(top, bellman, len(action_names))
         top.set_ylabel("Q value, Bellman error")
         top.set_xlim(x[0], x[-1])
-        top.legend(loc="upper center", bbox_to_anchor=(0.5, 1.0), ncols=1)
+        _explain(top, action_names)
         if title:
-            top.set_title(title, loc="left", parse_math=False)
+            top.set_title(title, loc="left", pad=22.0, parse_math=False)
         _draw_bands(bottom, x, leaf_bands, action_names)
         bottom.set_xlabel("x")
     return figure
@@ -116,8 +117,8 @@ def _check(
 ) -> None:
     if x.ndim != 1 or len(x) < 2 or q_values.shape != (len(names), len(x)):
         raise InputError(
-            f"q_values must have the shape (actions, x) = ({len(names)}, {len(x)}) with at least 2 values of x, "
-            f"got {q_values.shape}"
+            f"q_values must have the shape (actions, x) = ({len(names)}, {len(x)}), with at least 2 values "
+            f"of x, got {q_values.shape}"
         )
     for band in bands:
         if band.leaves.shape != x.shape or not 0 <= band.action < len(names):
@@ -130,11 +131,22 @@ def _draw_policy(axes: Axes, x: NDArray[np.float64], q_values: NDArray[np.float6
         axes.axvspan(low, high, color=mixed(SERIES[action % len(SERIES)], 0.12), linewidth=0, zorder=0)
 
 
-def _draw_values(
-    axes: Axes, x: NDArray[np.float64], q_values: NDArray[np.float64], names: Sequence[str]
-) -> None:
-    for action, (name, values) in enumerate(zip(names, q_values, strict=True)):
-        axes.plot(x, values, color=SERIES[action % len(SERIES)], linewidth=2.0, label=f"Q({name})", zorder=3)
+def _draw_values(axes: Axes, x: NDArray[np.float64], q_values: NDArray[np.float64]) -> None:
+    for action, values in enumerate(q_values):
+        axes.plot(x, values, color=SERIES[action % len(SERIES)], linewidth=2.0, zorder=3)
+
+
+def _explain(axes: Axes, names: Sequence[str]) -> None:
+    """Put a legend above the axes, where no curve can pass behind it."""
+    marks = [
+        Line2D([], [], color=SERIES[action % len(SERIES)], linewidth=2.0, label=f"Q({name})")
+        for action, name in enumerate(names)
+    ]
+    marks.append(Line2D([], [], color=GREY, linestyle="", marker="o", markersize=2.5, label="Bellman error"))
+    marks.append(Line2D([], [], color=GREY, linestyle=":", linewidth=1.3, label="its mean"))
+    axes.legend(
+        handles=marks, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(marks), borderaxespad=0.2
+    )
 
 
 def _draw_errors(axes: Axes, bellman: BellmanErrors, n_actions: int) -> None:
@@ -145,15 +157,17 @@ def _draw_errors(axes: Axes, bellman: BellmanErrors, n_actions: int) -> None:
             continue
         color = SERIES[action % len(SERIES)]
         axes.axhline(float(bellman.errors[own].mean()), color=color, linewidth=1.3, linestyle=":", zorder=2.5)
-        shown = own if len(own) <= _MOST_POINTS else own[np.linspace(0, len(own) - 1, _MOST_POINTS).astype(np.int64)]
+        shown = (
+            own
+            if len(own) <= _MOST_POINTS
+            else own[np.linspace(0, len(own) - 1, _MOST_POINTS).astype(np.int64)]
+        )
         axes.scatter(
             bellman.x[shown], bellman.errors[shown], s=5, color=color, alpha=0.4, linewidths=0, zorder=1
         )
 
 
-def _draw_bands(
-    axes: Axes, x: NDArray[np.float64], bands: Sequence[LeafBand], names: Sequence[str]
-) -> None:
+def _draw_bands(axes: Axes, x: NDArray[np.float64], bands: Sequence[LeafBand], names: Sequence[str]) -> None:
     for row, band in enumerate(bands):
         color = SERIES[band.action % len(SERIES)]
         for low, high, leaf in _stretches(x, band.leaves):

@@ -53,13 +53,13 @@ def reward_figure(
             axes = figure.axes[0]
             axes.axhline(optimum, color=GREY, linewidth=0.9, linestyle="--", zorder=0.5)
             axes.annotate(
-                f"optimum {optimum:g}",
+                f"optimum\n{optimum:g}",
                 (1.0, optimum),
                 xycoords=("axes fraction", "data"),
-                xytext=(0, 3),
+                xytext=(4, 0),
                 textcoords="offset points",
-                ha="right",
-                va="bottom",
+                ha="left",
+                va="center",
                 fontsize=8.0,
                 color=GREY,
             )
@@ -78,7 +78,9 @@ def leaves_figure(metrics_by_run: Mapping[str, Runs], *, title: str = "") -> Fig
     return _series_figure(metrics_by_run, "leaves", "leaves of all trees", title)
 
 
-def mean_and_deviation(runs: Runs, key: str) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+def mean_and_deviation(
+    runs: Runs, key: str
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     """Return iterations, means and standard deviations (0 for a single run) of a quantity; each (k,).
 
     Runs of different length count as far as they go.
@@ -94,13 +96,16 @@ def mean_and_deviation(runs: Runs, key: str) -> tuple[NDArray[np.int64], NDArray
             try:
                 values.setdefault(int(row["iteration"]), []).append(float(row[key]))
             except (KeyError, TypeError, ValueError) as error:
-                raise InputError(f"a row of metrics has no number for 'iteration' or {key!r}: {row!r:.200}") from error
+                raise InputError(
+                    f"a row of metrics has no number for 'iteration' or {key!r}: {row!r:.200}"
+                ) from error
     if not values:
         raise InputError("there is nothing to draw: a series needs at least one run with one row of metrics")
     iterations = sorted(values)
     means = [float(np.mean(values[iteration])) for iteration in iterations]
     deviations = [
-        float(np.std(values[iteration], ddof=1)) if len(values[iteration]) > 1 else 0.0 for iteration in iterations
+        float(np.std(values[iteration], ddof=1)) if len(values[iteration]) > 1 else 0.0
+        for iteration in iterations
     ]
     return np.array(iterations), np.array(means), np.array(deviations)
 
@@ -141,5 +146,7 @@ def _series_figure(series: Mapping[str, Runs], key: str, ylabel: str, title: str
         notes = sorted({len(runs) for runs in series.values() if len(runs) > 1})
         if notes:
             counts = " or ".join(map(str, notes))
-            axes.set_title(f"mean and standard deviation of {counts} runs", loc="right", fontsize=8.0, color=GREY)
+            axes.set_title(
+                f"mean and standard deviation of {counts} runs", loc="right", fontsize=8.0, color=GREY
+            )
     return figure

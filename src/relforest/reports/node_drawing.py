@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from matplotlib.axes import Axes
-from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
+from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
 
 from relforest.reports.style import BLUE, GREY, INK, PAPER, mixed, probability_color
 from relforest.reports.text_size import line_height, shortened, text_width, wrapped
 from relforest.reports.tree_layout import Box, Layout, Size
-from relforest.reports.tree_path import TreePath, bound_above, introduced
+from relforest.reports.tree_path import TreePath, introduced
 from relforest.trees import Instantiation, Leaf, Question, Tree
 from relforest.trees.nodes import ANSWERS, variable_name
 from relforest.trees.text import sentence
@@ -51,7 +51,7 @@ def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) 
     path : TreePath, optional
         Its instantiations name the objects that were bound.
     """
-    bound, new = bound_above(tree), introduced(tree)
+    new = introduced(tree)
     texts = []
     for index, node in enumerate(tree.nodes):
         if isinstance(node, Question):
@@ -60,7 +60,7 @@ def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) 
             texts.append(_leaf_text(tree.leaves.index(index), node))
         else:
             on_path = path if path is not None and index in path.nodes else None
-            texts.append(_binding_text(tree, bound[index], on_path))
+            texts.append(_binding_text(tree, tree.n_bound[index], on_path))
     return tuple(texts)
 
 
@@ -112,34 +112,35 @@ def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:
     return NodeText("", (text,), size)
 
 
-def _draw_node(axes: Axes, node: Leaf | Instantiation | Question, text: NodeText, box: Box, *, lit: bool) -> None:
-    outline = {"edgecolor": _LIT if lit else GREY, "linewidth": 2.2 if lit else 0.9, "clip_on": False}
+def _draw_node(
+    axes: Axes, node: Leaf | Instantiation | Question, text: NodeText, box: Box, *, lit: bool
+) -> None:
     corner, size = (box.left, box.top), (box.right - box.left, box.bottom - box.top)
-    y = box.top + _PADDING
     if isinstance(node, Leaf):
         seen = node.negatives + node.positives > 0
         fill = probability_color(node.probability) if seen else PAPER
-        axes.add_patch(
-            Rectangle(corner, *size, facecolor=fill, ls="-" if seen else ":", **outline)
-        )
+        _add(axes, Rectangle(corner, *size, facecolor=fill, linestyle="-" if seen else ":"), lit=lit)
         ink = INK if seen or lit else GREY
         y = _write(axes, text.tag, (box.center, box.top + _PADDING / 2), size=_SMALL, color=ink)
         y = _write(axes, text.lines[0], (box.center, y), size=_LARGE, color=ink, bold=seen)
         _write(axes, text.lines[1], (box.center, y), size=_TEXT, color=ink)
     elif isinstance(node, Question):
         shape = "round,pad=0,rounding_size=0.12"
-        axes.add_patch(
-            FancyBboxPatch(corner, *size, boxstyle=shape, facecolor=PAPER, **outline)
-        )
-        y = _write(axes, text.tag, (box.center, y), size=_SMALL, color=GREY)
+        _add(axes, FancyBboxPatch(corner, *size, boxstyle=shape, facecolor=PAPER), lit=lit)
+        y = _write(axes, text.tag, (box.center, box.top + _PADDING), size=_SMALL, color=GREY)
         for line in text.lines:
             y = _write(axes, line, (box.center, y), size=_TEXT)
     else:
         left, right = box.left + _SLANT, box.right - _SLANT
         corners = [(left, box.top), (box.right, box.top), (right, box.bottom), (box.left, box.bottom)]
         fill = mixed(_LIT, 0.2) if lit else mixed(GREY, 0.15)
-        axes.add_patch(Polygon(corners, closed=True, facecolor=fill, **outline))
+        _add(axes, Polygon(corners, closed=True, facecolor=fill), lit=lit)
         _write(axes, text.lines[0], (box.center, box.top + _PADDING / 2), size=_TEXT)
+
+
+def _add(axes: Axes, shape: Patch, *, lit: bool) -> None:
+    shape.set(edgecolor=_LIT if lit else GREY, linewidth=2.2 if lit else 0.9, clip_on=False)
+    axes.add_patch(shape)
 
 
 def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) -> None:

@@ -1,4 +1,4 @@
-"""How the parts of a tree's picture share a page: head, tree, panels. Lengths are in inches from the top left."""
+"""How head, tree and panels of a tree's picture share a page; lengths are in inches from its top left."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def arrange(
     for columns in range(1, max(n_panels, 1) + 1):
         rows = math.ceil(n_panels / columns)
         block = (columns * panel[0], rows * panel[1]) if n_panels else (0.0, 0.0)
-        for beside in (True, False):
-            pages.append(_page(tree, panel, (n_panels, columns), block, head=head, beside=beside))
+        grid = (n_panels, columns)
+        pages += [_page(tree, panel, grid, block, head=head, beside=beside) for beside in (True, False)]
     return min(pages, key=lambda page: (max(page.width, _SHAPE * page.height), page.width * page.height))
 
 
@@ -64,7 +64,11 @@ def _page(
     width = max(inner[0], head[0], _LEAST_WIDTH)
     spare = (width - inner[0]) / 2
     tree_left = MARGIN + (spare if beside else (width - tree[0]) / 2)
-    first = (MARGIN + spare + tree[0] + gap, top) if beside else (MARGIN + (width - block[0]) / 2, top + tree[1] + gap)
+    first = (
+        (MARGIN + spare + tree[0] + gap, top)
+        if beside
+        else (MARGIN + (width - block[0]) / 2, top + tree[1] + gap)
+    )
     places = tuple(
         (first[0] + (number % columns) * panel[0], first[1] + (number // columns) * panel[1])
         for number in range(n_panels)

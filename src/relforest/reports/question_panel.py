@@ -41,7 +41,10 @@ def volume_table(volume: Volume) -> tuple[tuple[str, str], ...]:
         return tuple((name, f"{value:.3g}{'' if name == 'kappa' else ' rad'}") for name, value in rows)
     axes = volume.axes[:_MOST_AXES]
     names = ["extent"] if volume.dim == 1 else [f"extent {number + 1}" for number in range(len(axes))]
-    table = [("mean", _vector(volume.mean)), *((name, _vector(axis)) for name, axis in zip(names, axes, strict=True))]
+    table = [
+        ("mean", _vector(volume.mean)),
+        *((name, _vector(axis)) for name, axis in zip(names, axes, strict=True)),
+    ]
     if volume.dim > _MOST_AXES:
         table.append(("", f"and {volume.dim - _MOST_AXES} shorter ones"))
     return tuple(table)
@@ -80,8 +83,8 @@ def draw_panel(
     )
     axes = figure.add_axes(bounds)
     axes.tick_params(labelsize=_TABLE, length=2.5, pad=1.5)
-    axes.xaxis.label.set_size(_TABLE)
-    axes.yaxis.label.set_size(_TABLE)
+    axes.xaxis.label.set_fontsize(_TABLE)
+    axes.yaxis.label.set_fontsize(_TABLE)
     axes.locator_params(nbins=4)
     draw_volume(axes, node.mapping, node.volume, points, witness)
     y = plot_top + _PLOT_HEIGHT + _AXIS_HEIGHT
@@ -93,7 +96,14 @@ def draw_panel(
 
 
 def _write(
-    figure: Figure, page: Page, place: Place, text: str, *, size: float, color: str | None = None, bold: bool = False
+    figure: Figure,
+    page: Page,
+    place: Place,
+    text: str,
+    *,
+    size: float,
+    color: str | None = None,
+    bold: bool = False,
 ) -> None:
     figure.text(
         place[0] / page.width,

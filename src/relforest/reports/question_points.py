@@ -38,9 +38,7 @@ class QuestionPoints:
     def thinned(self, most: int) -> QuestionPoints:
         """Return at most so many points of either class, evenly spaced in their order."""
         kept = np.sort(
-            np.concatenate(
-                [_spread(np.flatnonzero(self.positive == label), most) for label in (False, True)]
-            )
+            np.concatenate([_spread(np.flatnonzero(self.positive == label), most) for label in (False, True)])
         )
         return QuestionPoints(self.points[kept], self.positive[kept])
 
@@ -91,7 +89,7 @@ def _visit(
             stack.append((node.child, _extended(sequences, scenes, places)))
             continue
         points = _points(node, scenes, sequences)
-        defined = ~np.isnan(points).any(axis=1)
+        defined: NDArray[np.bool_] = ~np.isnan(points).any(axis=1)
         inside = np.zeros(len(points), dtype=np.bool_)
         inside[defined] = node.volume.contains(points[defined])
         stack.append((node.error, sequences.where(~defined)))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import matplotlib as mpl
 from matplotlib.colors import to_rgb
@@ -30,7 +31,8 @@ SERIES: Final = (BLUE, ORANGE, GREEN, PINK, GOLD, SKY)
 MARKERS: Final = ("o", "s", "^", "D", "v", "P")
 """Marks of lines, in the same order, for print without colours."""
 
-STYLE: Final = MappingProxyType(
+# Keys are `Any` because Matplotlib's own type of them differs between its versions.
+STYLE: Final[Mapping[Any, Any]] = MappingProxyType(
     {
         "axes.edgecolor": GREY,
         "axes.labelcolor": INK,

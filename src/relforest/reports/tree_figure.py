@@ -21,7 +21,7 @@ from relforest.reports.question_points import QuestionPoints, question_points
 from relforest.reports.style import GREY, NEGATIVE, POSITIVE, styled
 from relforest.reports.text_size import line_height, text_width
 from relforest.reports.tree_layout import Layout, lay_out
-from relforest.reports.tree_path import TreePath, leaf_node, tree_path, witness_names
+from relforest.reports.tree_path import TreePath, tree_path, witness_names
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.trees import Question, Tree
@@ -78,7 +78,9 @@ def tree_figure(
     layout = lay_out(tree.nodes, [text.size for text in texts])
     head = _head(tree, title, path)
     panel = (PANEL_WIDTH, panel_height([question.volume for question in questions.values()]))
-    page = arrange((layout.width, layout.height), panel, len(questions), head=_size(head, legend=bool(points)))
+    page = arrange(
+        (layout.width, layout.height), panel, len(questions), head=_size(head, legend=bool(points))
+    )
     with styled():
         figure = Figure(figsize=(page.width, page.height))
         _draw_head(figure, page, head, legend=bool(points))
@@ -92,10 +94,11 @@ def tree_figure(
 def _head(tree: Tree, title: str, path: TreePath | None) -> Sequence[tuple[str, float]]:
     """Return the lines above the tree, each with its size."""
     n_questions = sum(isinstance(node, Question) for node in tree.nodes)
-    words = f"{n_questions} question{'' if n_questions == 1 else 's'}, {tree.n_leaves} lea{'f' if tree.is_stub else 'ves'}"
-    lines = [(title or f"SMRF tree: {words}", _TITLE)]
+    counted = f"{n_questions} question{'' if n_questions == 1 else 's'}"
+    leaves = "1 leaf" if tree.is_stub else f"{tree.n_leaves} leaves"
+    lines = [(title or f"SMRF tree: {counted}, {leaves}", _TITLE)]
     if path is not None:
-        probability = leaf_node(tree, path.leaf).probability
+        probability = tree.leaf_probabilities[path.leaf]
         lines.append((f"scene {path.scene_id}: probability {probability:.2f} (leaf {path.leaf})", _SUBTITLE))
         if path.witnesses:
             lines.append((", ".join(witness_names(tree, path)), _SUBTITLE))
@@ -112,7 +115,13 @@ def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *,
     for text, size in head:
         weight = "bold" if size == _TITLE else "normal"
         figure.text(
-            MARGIN / page.width, 1 - y / page.height, text, va="top", fontsize=size, fontweight=weight, parse_math=False
+            MARGIN / page.width,
+            1 - y / page.height,
+            text,
+            va="top",
+            fontsize=size,
+            fontweight=weight,
+            parse_math=False,
         )
         y += line_height(size)
     if legend:

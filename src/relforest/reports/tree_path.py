@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes import Scenes
+from relforest.scenes.ids import plain
 from relforest.support.errors import InputError
-from relforest.trees import Instantiation, Leaf, Question, Tree, query
+from relforest.trees import Instantiation, Question, Tree, query
 from relforest.trees.nodes import children, variable_name
 from relforest.trees.text import fresh_variables
 
@@ -59,41 +60,26 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
     answers = query(tree, scene)
     leaf, rows = int(answers.leaf[0]), answers.witnesses[0]
     nodes = _ancestors(tree, tree.leaves[leaf])
-    n_bound = sum(isinstance(tree.nodes[index], Instantiation) for index in nodes)
-    witnesses = tuple(None if row < 0 else plain_id(scene.object_ids[row]) for row in rows[:n_bound])
+    bound_rows = rows[: tree.n_bound[tree.leaves[leaf]]]
+    witnesses = tuple(None if row < 0 else plain(scene.object_ids[row]) for row in bound_rows)
     points = {}
     for index in nodes:
         node = tree.nodes[index]
         if isinstance(node, Question):
             bound = np.ascontiguousarray(rows[list(node.variables)][None])
             points[index] = node.mapping.evaluate(scene.schema, scene.matrix, bound)[0]
-    return TreePath(plain_id(scene.scene_ids[0]), leaf, nodes, witnesses, points)
-
-
-def plain_id(value: object) -> Any:  # noqa: ANN401 - identifiers are integers or strings
-    """Return an identifier as a Python int or str."""
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def bound_above(tree: Tree) -> tuple[int, ...]:
-    """Return for each node the number of variables that its branch has bound before it."""
-    bound = [0] * len(tree.nodes)
-    for index, node in enumerate(tree.nodes):
-        for child in children(node):
-            bound[child] = bound[index] + isinstance(node, Instantiation)
-    return tuple(bound)
+    return TreePath(plain(scene.scene_ids[0]), leaf, nodes, witnesses, points)
 
 
 def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
     """Return for each question the variables that are new there and range over objects."""
-    bound = bound_above(tree)
     new: dict[int, tuple[int, ...]] = {}
     run = [0] * len(tree.nodes)
     for index, node in enumerate(tree.nodes):
         if isinstance(node, Instantiation):
             run[node.child] = run[index] + 1
         elif isinstance(node, Question):
-            new[index] = fresh_variables(tree.schema, bound[index] - run[index], run[index])
+            new[index] = fresh_variables(tree.schema, tree.n_bound[index] - run[index], run[index])
     return new
 
 
@@ -107,13 +93,6 @@ def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
         role = f" ({parameters[variable]})" if named else ""
         names.append(f"{letter}{role} = {'no object' if witness is None else witness}")
     return tuple(names)
-
-
-def leaf_node(tree: Tree, ordinal: int) -> Leaf:
-    """Return a leaf by its ordinal."""
-    node = tree.nodes[tree.leaves[ordinal]]
-    assert isinstance(node, Leaf)
-    return node
 
 
 def _ancestors(tree: Tree, index: int) -> tuple[int, ...]:

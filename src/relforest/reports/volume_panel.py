@@ -58,8 +58,7 @@ def draw_volume(
     elif volume.dim == 1:
         half = float(np.linalg.norm(volume.axes[0]))
         mean = float(volume.mean[0])
-        values = None if points is None else QuestionPoints(points.points, points.positive)
-        _draw_interval(axes, (mean - half, mean + half), mean, values, witness)
+        _draw_interval(axes, (mean - half, mean + half), mean, points, witness)
         axes.set_xlabel(mapping.name, labelpad=1.0, parse_math=False)
     else:
         scaled = None
@@ -90,8 +89,9 @@ def _draw_ellipse(
     axes.add_patch(Ellipse(**shape, facecolor="none", edgecolor=_FILL_EDGE, linewidth=1.4, zorder=3))
     for axis in (long, short):
         end = (center[0] + axis[0], center[1] + axis[1])
-        arrow = {"arrowstyle": "-|>", "mutation_scale": 8.0, "shrinkA": 0.0, "shrinkB": 0.0}
-        axes.add_patch(FancyArrowPatch(center, end, color=INK, linewidth=1.0, zorder=4, **arrow))
+        arrow = FancyArrowPatch(center, end, arrowstyle="-|>", mutation_scale=8.0, shrinkA=0.0, shrinkB=0.0)
+        arrow.set(color=INK, linewidth=1.0, zorder=4)
+        axes.add_patch(arrow)
     if witness is not None:
         _star(axes, float(witness[0]), float(witness[1]))
     half = np.hypot(long, short)
@@ -111,12 +111,15 @@ def _show_undistorted(axes: Axes, low: Points, high: Points) -> None:
 def _window(
     mean: Points, half: Points, points: Points | None, witness: Points | None
 ) -> tuple[Points, Points]:
-    """Return the corners of what is shown: the volume with some surroundings, no further than there are points."""
+    """Return the corners of what is shown: the volume, and its surroundings as far as there are points."""
     low, high = mean - 1.15 * half, mean + 1.15 * half
     if points is not None and len(points):
         outer = np.quantile(points, [0.01, 0.99], axis=0)
         margin = 0.05 * (outer[1] - outer[0])
-        around = np.maximum(outer[0] - margin, mean - 3.0 * half), np.minimum(outer[1] + margin, mean + 3.0 * half)
+        around = (
+            np.maximum(outer[0] - margin, mean - 3.0 * half),
+            np.minimum(outer[1] + margin, mean + 3.0 * half),
+        )
         # A volume may be so large that it amounts to an inequality; then its far end is of no interest.
         huge = half > 2.0 * (outer[1] - outer[0])
         low = np.where(huge, around[0], np.minimum(low, around[0]))
@@ -177,7 +180,9 @@ def _draw_arc(axes: Axes, volume: Arc, points: QuestionPoints | None, witness: P
     begin, end = (math.degrees(volume.mean + side * volume.radius) for side in (-1, 1))
     whole = volume.radius >= math.pi
     axes.add_patch(
-        Wedge((0, 0), 1.0, 0 if whole else begin, 360 if whole else end, facecolor=_FILL, edgecolor=_FILL_EDGE)
+        Wedge(
+            (0, 0), 1.0, 0 if whole else begin, 360 if whole else end, facecolor=_FILL, edgecolor=_FILL_EDGE
+        )
     )
     turn = np.linspace(0.0, 2 * math.pi, 181)
     axes.plot(np.cos(turn), np.sin(turn), color=GREY, linewidth=1.0)
@@ -193,7 +198,13 @@ def _draw_arc(axes: Axes, volume: Arc, points: QuestionPoints | None, witness: P
         _star(axes, math.cos(float(witness[0])), math.sin(float(witness[0])))
     for angle, name in ((0.0, "0"), (0.5 * math.pi, "π/2"), (math.pi, "π"), (-0.5 * math.pi, "-π/2")):
         axes.text(
-            1.32 * math.cos(angle), 1.32 * math.sin(angle), name, ha="center", va="center", fontsize=8, color=GREY
+            1.32 * math.cos(angle),
+            1.32 * math.sin(angle),
+            name,
+            ha="center",
+            va="center",
+            fontsize=8,
+            color=GREY,
         )
     axes.set_xlim(-1.5, 1.5)
     axes.set_ylim(-1.5, 1.5)

@@ -370,6 +370,39 @@ class Scenes:
         """
         return Scenes(*add_attribute(self.parts, attribute, function, of))
 
+    def with_matrix(self, matrix: FloatArray) -> Scenes:
+        """Return the same scenes with other attribute values: the fast path of simulated worlds.
+
+        Parameters
+        ----------
+        matrix : (n_rows, schema.width) float64 array
+            Finite or NaN, angles in (-pi, pi]; neither is checked. It is not copied and becomes read-only.
+
+        Raises
+        ------
+        InputError
+            If it has another shape or type.
+        """
+        if matrix.shape != self.matrix.shape or matrix.dtype != np.float64:
+            raise InputError(
+                f"the new matrix must be float64 {self.matrix.shape}, got {matrix.dtype} {matrix.shape}"
+            )
+        matrix.flags.writeable = False
+        scenes: Scenes = object.__new__(Scenes)
+        _fill(scenes, self.parts._replace(matrix=matrix))
+        return scenes
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both batches hold the same scenes in the same layout; undefined values are equal."""
+        if not isinstance(other, Scenes):
+            return NotImplemented
+        return self.schema == other.schema and all(
+            np.array_equal(mine, theirs, equal_nan=mine.dtype.kind == "f")
+            for mine, theirs in zip(self.parts[1:], other.parts[1:], strict=True)
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # compared by value, and values are arrays
+
     def compact(self) -> Scenes:
         """Return the same scenes without the object rows that none of them contains (`take` keeps those)."""
         return Scenes(*compact(self.parts))

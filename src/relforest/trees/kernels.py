@@ -49,7 +49,7 @@ class QueryWork(NamedTuple):
 
     Results: ``integers[WITNESSES]``, the object rows of the most representative sequence (-1 = none),
     and ``numbers[BEST_PATH]``, the logarithm of its density at each question on its branch, root
-    first (-inf = error).
+    first (-inf = error, and beyond the branch).
     """
 
     integers: NDArray[np.int64]  # (5, n_variables)
@@ -151,8 +151,8 @@ def query_scene(
         elif nodes[node, RANK] < best_rank or total > best_total:
             best_rank, best_total = nodes[node, RANK], total
             winner = nodes[node, ORDINAL]
-            for i in range(asked):
-                floats[BEST_PATH, i] = floats[_PATH, i]
+            for i in range(floats.shape[1]):
+                floats[BEST_PATH, i] = floats[_PATH, i] if i < asked else -np.inf
             for i in range(len(bound)):
                 state[WITNESSES, i] = bound[i] if i < depth else -1
         # Go on with the next object of the innermost variable that has one left.
@@ -212,11 +212,8 @@ def query_batch(
     """
     rows, starts, counts, arguments = scenes
     leaf, densities, witnesses = out
-    densities[:, :] = 0.0
     for i in range(len(starts)):
         objects = rows[starts[i] : starts[i] + counts[i]]
-        for j in range(densities.shape[1]):
-            work.numbers[BEST_PATH, j] = -np.inf
         leaf[i] = query_scene(nodes, numbers, 0, matrix, objects, arguments[i], work)
         for j in range(densities.shape[1]):
             densities[i, j] = math.exp(work.numbers[BEST_PATH, j])

@@ -60,10 +60,10 @@ class CorridorViewer:
         column, row = _column(state.x), (_TOP + _BOTTOM) / 2
         _paint_disc(canvas, _RIM, (column, row), _RADIUS + 2.5)
         _paint_disc(canvas, _AGENT, (column, row), _RADIUS)
-        return np.rint(canvas).astype(np.uint8)
+        return canvas
 
-    def _draw_background(self) -> NDArray[np.float32]:
-        canvas = np.empty((HEIGHT, WIDTH, 3), dtype=np.float32)
+    def _draw_background(self) -> NDArray[np.uint8]:
+        canvas = np.empty((HEIGHT, WIDTH, 3), dtype=np.uint8)
         canvas[:] = _PAPER
         _paint_bar(canvas, _FLOOR, (_FLOOR_LEFT, _FLOOR_RIGHT, _TOP, _BOTTOM), radius=25.0)
         self._paint_window(canvas, _WINDOW, left=True)
@@ -77,7 +77,7 @@ class CorridorViewer:
             _paint_bar(canvas, _LINE, (column - 1, column + 1, _TICK_TOP, _TICK_BOTTOM + tall), radius=1.0)
         return canvas
 
-    def _paint_window(self, canvas: NDArray[np.float32], color: _Color, *, left: bool) -> None:
+    def _paint_window(self, canvas: NDArray[np.uint8], color: _Color, *, left: bool) -> None:
         inner = _column(self._window if left else 1.0 - self._window)
         # A bar round at both ends, cut where the window begins.
         if left:
@@ -103,16 +103,14 @@ def _column(x: float) -> float:
     return _LEFT + (_RIGHT - _LEFT) * x
 
 
-def _paint_disc(
-    canvas: NDArray[np.float32], color: _Color, center: tuple[float, float], radius: float
-) -> None:
+def _paint_disc(canvas: NDArray[np.uint8], color: _Color, center: tuple[float, float], radius: float) -> None:
     column, row = center
     box = (column - radius, column + radius, row - radius, row + radius)
     _paint_bar(canvas, color, box, radius=radius)
 
 
 def _paint_bar(
-    canvas: NDArray[np.float32],
+    canvas: NDArray[np.uint8],
     color: _Color,
     box: tuple[float, float, float, float],
     *,
@@ -134,4 +132,4 @@ def _paint_bar(
     distance = outside + np.minimum(np.maximum(across, down), 0) - radius
     cover = np.clip(0.5 - distance, 0, 1)[:, :, None]
     patch = canvas[int(top) - 1 : int(bottom) + 2, first:last]
-    patch += cover * (np.asarray(color, dtype=np.float32) - patch)
+    patch[:] = np.rint(patch + cover * (np.asarray(color, dtype=np.float32) - patch))

@@ -1,0 +1,13 @@
+"""How fast does SMRF-RPI learn the corridor, and what are densities good for? (Palmer (2015), Figures 7.2 to 7.4)
+
+`settings` holds the conditions and the rewards to be reached, `run` learns one run, `analysis` turns the table
+into findings and the three figures. The question, the command and the result seen stand in ``README.md``.
+"""
+
+from __future__ import annotations
+
+from relforest.experiments.corridor.analysis import figures, summarize
+from relforest.experiments.corridor.run import run
+from relforest.experiments.corridor.settings import SETTINGS, SMOKE
+
+__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]

@@ -1,0 +1,123 @@
+"""Table -> mean rewards and leaves, t-tests as in the source, claims, and Figures 7.2 to 7.4."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy import stats
+
+from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.corridor.settings import (
+    ALPHA,
+    CONDITIONS,
+    OPTIMUM,
+    SOURCE_LEAVES_P,
+    SOURCE_REWARD_P,
+    THRESHOLDS,
+)
+from relforest.experiments.table import Table, aligned
+from relforest.reports.learning_figure import leaves_figure, reward_figure
+
+_FAST, _SLOW, _BITS = CONDITIONS
+
+
+def values(table: Table, condition: str, iteration: int, column: str) -> NDArray[np.float64]:
+    """Return a column of all runs of a condition after an iteration, (runs,); -1 = the last iteration."""
+    own = table.where(condition=condition)
+    wanted = int(own.numbers("iteration").max()) if iteration < 0 else iteration
+    return own.where(iteration=wanted).numbers(column)
+
+
+def greater_p(sample: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Return the p-value of the one-tailed two-sample t-test of "the first mean is greater".
+
+    Samples without any spread, for which the test is undefined, give 0 or 1 by their means.
+    """
+    if sample.std() == 0.0 and other.std() == 0.0:
+        return float(sample.mean() <= other.mean())
+    return float(stats.ttest_ind(sample, other, alternative="greater").pvalue)
+
+
+def summarize(table: Table) -> Findings:
+    """State means and spreads by iteration, the source's comparisons, and the claims."""
+    claims = [
+        Claim(
+            f"{CONDITIONS[condition]}: mean test reward after iteration {iteration}",
+            float(values(table, condition, iteration, "test_reward").mean()),
+            low=threshold,
+        )
+        for (condition, iteration), threshold in THRESHOLDS.items()
+        if _has(table, condition, iteration)
+    ]
+    rewards, leaves = (
+        greater_p(values(table, one, -1, column), values(table, other, -1, column))
+        for one, other, column in ((_SLOW, _BITS, "test_reward"), (_BITS, _SLOW, "leaves"))
+    )
+    claims += [
+        Claim("bits only: p of a lower reward than with densities, at the end", rewards, low=ALPHA),
+        Claim("bits only: p of more leaves than with densities, at the end", leaves, high=ALPHA),
+    ]
+    parts = (
+        f"Corridor: {len(table.where(condition=_FAST).distinct('run'))} runs per condition (mean +- standard "
+        f"deviation across runs; the optimal policy collects {OPTIMUM})",
+        _table(table, "test_reward", 2),
+        _table(table, "leaves", 1),
+        _comparisons(table, rewards, leaves),
+    )
+    return Findings("\n\n".join(parts), tuple(claims))
+
+
+def figures(table: Table) -> Mapping[str, Figure]:
+    """Draw rewards by number of episodes, then rewards and leaves by kind of features."""
+    by_episodes = {"500 episodes": _runs(table, _FAST), "10 episodes": _runs(table, _SLOW)}
+    by_features = {"densities and bits": _runs(table, _SLOW), "bits only": _runs(table, _BITS)}
+    return {
+        "figure-7.2.png": reward_figure(by_episodes, title="corridor", optimum=OPTIMUM),
+        "figure-7.3.png": reward_figure(by_features, title="corridor, 10 episodes", optimum=OPTIMUM),
+        "figure-7.4.png": leaves_figure(by_features, title="corridor, 10 episodes"),
+    }
+
+
+def _has(table: Table, condition: str, iteration: int) -> bool:
+    return iteration in table.where(condition=condition).distinct("iteration")
+
+
+def _runs(table: Table, condition: str) -> list[list[Mapping[str, Any]]]:
+    own = table.where(condition=condition)
+    return [list(own.where(run=run).rows) for run in own.distinct("run")]
+
+
+def _table(table: Table, column: str, digits: int) -> str:
+    iterations = [int(number) for number in np.unique(table.numbers("iteration"))]
+    header = ("iteration", *(CONDITIONS[str(name)] for name in table.distinct("condition")))
+    rows = []
+    for iteration in iterations:
+        row = [str(iteration)]
+        for condition in map(str, table.distinct("condition")):
+            if _has(table, condition, iteration):
+                found = values(table, condition, iteration, column)
+                row.append(f"{found.mean():.{digits}f} +- {found.std(ddof=1):.{digits}f}")
+            else:
+                row.append("")
+        rows.append(row)
+    return f"{column}\n" + aligned(header, rows)
+
+
+def _comparisons(table: Table, rewards: float, leaves: float) -> str:
+    last = values(table, _FAST, -1, "test_reward")
+    p_optimum = float(stats.ttest_1samp(last, OPTIMUM, alternative="less").pvalue) if last.std() else 1.0
+    first = greater_p(values(table, _FAST, 1, "test_reward"), values(table, _SLOW, 1, "test_reward"))
+    lines = [
+        ("500 episodes, at the end: reward below the optimum", f"{p_optimum:.2g}", "not significant"),
+        ("after iteration 1: reward with 500 episodes above that with 10", f"{first:.2g}", ""),
+        ("10 episodes, at the end: reward of bits below that of densities", f"{rewards:.2g}", f"< {SOURCE_REWARD_P}"),
+        ("10 episodes, at the end: leaves of bits above those of densities", f"{leaves:.2g}", f"< {SOURCE_LEAVES_P}"),
+    ]
+    for condition, title in CONDITIONS.items():
+        before, after = (values(table, condition, iteration, "test_reward") for iteration in (0, -1))
+        lines.append((f"{title}: reward at the end above that before", f"{greater_p(after, before):.2g}", ""))
+    return aligned(("one-tailed t-tests", "p", "source"), lines)

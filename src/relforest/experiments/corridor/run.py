@@ -1,0 +1,44 @@
+"""One run under one condition -> a row per iteration."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relforest.experiments.corridor.settings import CONDITIONS, CorridorSetting
+from relforest.experiments.run_config import RunConfig
+from relforest.experiments.run_metrics import metrics_of
+from relforest.experiments.runs import learn_run
+from relforest.experiments.study import Place
+from relforest.experiments.table import Row
+from relforest.support.rng import seed_sequence, stream
+
+
+def run(setting: CorridorSetting, place: Place) -> list[Row]:
+    """Learn the run in a folder of its own, or go on with it, and return its metrics.
+
+    The columns are condition, run, and those of ``metrics.jsonl``; iteration 0 is before learning.
+
+    References
+    ----------
+    Palmer (2015), section 7.3.
+    """
+    config = RunConfig(
+        "corridor",
+        episodes=setting.episodes,
+        iterations=setting.iterations,
+        runs=setting.runs,
+        seed=seed_of(setting.condition, place.seed),
+        features=setting.features,
+    )
+    folder = place.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
+    learn_run(config, setting.run, folder)
+    return [{"condition": setting.condition, "run": setting.run, **row} for row in metrics_of(folder)]
+
+
+def seed_of(condition: str, seed: int) -> int:
+    """Return the seed of a condition: an integer, so that ``relforest learn --seed`` can repeat its runs.
+
+    The conditions are compared as independent samples, so they share no random numbers.
+    """
+    number = list(CONDITIONS).index(condition)
+    return int(stream(seed_sequence(seed), number).generate_state(1, np.uint32)[0])

@@ -1,0 +1,64 @@
+"""A run folder in words: the metrics of its iterations and the trees that it learned."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from relforest.rl.checkpoint import CHECKPOINT, FORMAT, METRIC_NAMES, VERSION
+from relforest.rl.policy_file import read_policy
+from relforest.rl.value import ValueFunction
+from relforest.support.errors import ModelFormatError
+from relforest.support.files import read_json
+
+
+def run_report(folder: str | PathLike[str]) -> str:
+    """Tell what a run has learned: a line of numbers per iteration, then every tree.
+
+    Parameters
+    ----------
+    folder : path
+        The folder of one run, as `relforest.rl.checkpoint` describes it.
+
+    Raises
+    ------
+    ModelFormatError
+        If a file is missing or malformed.
+    """
+    path = Path(folder) / CHECKPOINT
+    metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
+    if not isinstance(metrics, list) or not all(isinstance(row, dict) for row in metrics):
+        raise ModelFormatError(f"{path} is damaged: it has no list of metrics")
+    return f"{metrics_table(metrics)}\n\n{trees_in_words(read_policy(folder))}"
+
+
+def metrics_table(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return rows of metrics as a table of text, one line each; what is missing is a dash."""
+    names = [name.replace("_", " ") for name in METRIC_NAMES]
+    cells = [[_cell(row.get(name)) for name in METRIC_NAMES] for row in rows]
+    widths = [max(len(line[i]) for line in (names, *cells)) for i in range(len(names))]
+    lines = [
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
+        for line in (names, *cells)
+    ]
+    return "\n".join(lines)
+
+
+def trees_in_words(value: ValueFunction) -> str:
+    """Return every tree of an action-value function in words, by action type."""
+    parts = []
+    for action_type, trees in zip(value.action_types, value.forests, strict=True):
+        name = action_type.name
+        if action_type.parameters:
+            name += f"({', '.join(action_type.parameters)})"
+        parts.append(f"{name}: {len(trees) or 'no'} tree{'' if len(trees) == 1 else 's'}")
+        parts += [f"{name}, tree {number}: {tree}" for number, tree in enumerate(trees, start=1)]
+    return "\n\n".join(parts)
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
