@@ -203,7 +203,7 @@ def _progress(scores: Floats, steps_left: int, best_score: float) -> bool:
     middle = (len(scores) - 1) / 2
     steps = np.arange(len(scores)) - middle
     slope = float(steps @ scores / (steps @ steps))
-    return slope > _RISING and float(scores.mean()) + slope * (middle + steps_left) > best_score
+    return slope > _RISING and float(scores.mean()) + slope * (middle + steps_left) > best_score + 1e-9
 
 
 def _fit(problem: Problem, keys: Floats) -> Model | None:

@@ -29,7 +29,7 @@ def test_random_presence(seed: int) -> None:
 
 
 def test_a_scene_counts_at_one_leaf_only() -> None:
-    # Leaf 0 holds scenes 0, 1, 2 with 2 positives (2/3), leaf 1 holds 2, 3, 4 with 1 (1/3). Leaf 0 is assigned
+    # Leaf 0 holds scenes 0, 1, 2 with 2 positives (2/3), leaf 1 holds 2, 3, 4 with 1 (1/3). Leaf 0 comes
     # first and takes scene 2, a negative; leaf 1 keeps 3 (positive) and 4: 1/2.
     presence = np.array([[1, 1, 1, 0, 0], [0, 0, 1, 1, 1]], dtype=np.bool_)
     found = check(presence, np.array([1, 1, 0, 1, 0], dtype=np.bool_))
@@ -40,8 +40,8 @@ def test_a_scene_counts_at_one_leaf_only() -> None:
 
 
 def test_a_later_leaf_stays_below_an_earlier_one() -> None:
-    # Leaf 0: scenes 0, 1, 2, 4, 5 with 3 positives (3/5). Leaf 1: scenes 2, 3, 4 with 1 (1/3), until
-    # leaf 0 takes the negatives 2 and 4 from it; what is left is the positive 3 alone, 1/1, capped below 3/5.
+    # Leaf 0: scenes 0, 1, 2, 4, 5 with 3 positives (3/5). Leaf 1: scenes 2, 3, 4 with 1 (1/3), until leaf 0
+    # takes the negatives 2 and 4 from it; what is left is the positive 3 alone, 1/1, capped below 3/5.
     presence = np.array([[1, 1, 1, 0, 1, 1], [0, 0, 1, 1, 1, 0]], dtype=np.bool_)
     found = check(presence, np.array([1, 1, 0, 1, 0, 1], dtype=np.bool_))
     assert found.probabilities[0] == pytest.approx(3 / 5)

@@ -3,27 +3,23 @@
 All generators draw candidate scenes and keep them until half of the scenes asked for are positive. The label
 of a scene is the concept evaluated on its attribute values, never a hidden variable.
 
-Letters: m candidate scenes, n the largest number of objects of one of them.
+Letters: m scenes, n the largest number of objects of one of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final, TypeAlias, final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.datasets.balance import Candidates, balanced, is_object, to_scenes
 from relforest.scenes import Attribute, Scenes, Schema
-from relforest.support.errors import InputError
 from relforest.support.options import at_least
 
 __all__ = ["between_scenes", "figure41_scenes", "yellow_scenes"]
 
 NumberOfObjects: TypeAlias = int | tuple[int, int]
-
-_MOST_BATCHES: Final = 1000
 
 _BETWEEN_WIDTH: Final = 10.0
 _BETWEEN_ALONG: Final = (0.2, 0.8)
@@ -48,23 +44,6 @@ _HUES: Final = np.array(
 _YELLOW_SHARE: Final = 0.1
 _DIMMEST: Final = 0.4
 _COLOR_NOISE: Final = 0.03
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class _Candidates:
-    """Scenes as one padded array.
-
-    Attributes
-    ----------
-    objects : (m, n, width) float64, the attribute values of every object
-    counts : (m,) int64, the number of objects of a scene; the rest is padding
-    labels : (m,) bool
-    """
-
-    objects: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    labels: NDArray[np.bool_]
 
 
 def between_scenes(
@@ -108,16 +87,16 @@ def between_scenes(
     n_distractors = at_least("n_distractors", n_distractors, 0)
     lowest, highest = _range_of_objects(n_objects, fewest=3)
 
-    def draw(n_candidates: int) -> _Candidates:
+    def draw(n_candidates: int) -> Candidates:
         counts = rng.integers(lowest, highest + 1, size=n_candidates)
         location = rng.uniform(0, _BETWEEN_WIDTH, size=(n_candidates, highest + n_distractors, 2))
         _clear_distractors(rng, location, counts)
-        labels = np.any(_is_between(location) & _exists(counts, location.shape[1]), axis=1)
-        return _Candidates(location, counts + n_distractors, labels)
+        labels = np.any(_is_between(location) & is_object(counts, location.shape[1]), axis=1)
+        return Candidates(location, counts + n_distractors, labels)
 
-    candidates = _balance(rng, n_scenes, draw)
+    candidates = balanced(rng, n_scenes, draw)
     schema = Schema((Attribute("location", 2),), parameters=("A", "B"))
-    return _to_scenes(schema, candidates, n_arguments=2), candidates.labels
+    return to_scenes(schema, candidates, n_arguments=2), candidates.labels
 
 
 def figure41_scenes(
@@ -161,7 +140,7 @@ def figure41_scenes(
     """
     lowest, highest = _range_of_objects(n_objects, fewest=1)
 
-    def draw(n_candidates: int) -> _Candidates:
+    def draw(n_candidates: int) -> Candidates:
         counts = rng.integers(lowest, highest + 1, size=n_candidates)
         shape = (n_candidates, highest)
         location = rng.uniform(-_FIGURE41_HALF_WIDTH, _FIGURE41_HALF_WIDTH, size=(*shape, 2))
@@ -169,16 +148,16 @@ def figure41_scenes(
         channel = rng.choice(3, size=shape, p=(_FIGURE41_RED_SHARE, others, others))
         color = rng.uniform(0, 0.3, size=(*shape, 3)) + 0.7 * (np.arange(3) == channel[..., np.newaxis])
         red = (color[..., 0] > 0.5) & (color[..., 1] < 0.5) & (color[..., 2] < 0.5)
-        exists = _exists(counts, highest)
+        present = is_object(counts, highest)
         at_origin = np.linalg.norm(location, axis=-1) <= _FIGURE41_AT_ORIGIN
         gaps = np.linalg.norm(location[:, :, np.newaxis] - location[:, np.newaxis], axis=-1)
-        has_far = ((gaps > _FIGURE41_NEAR) & exists[:, np.newaxis]).any(axis=2)
-        labels = (exists & ((red & at_origin) | (~red & has_far))).any(axis=1)
-        return _Candidates(np.concatenate([location, color], axis=-1), counts, labels)
+        has_far = ((gaps > _FIGURE41_NEAR) & present[:, np.newaxis]).any(axis=2)
+        labels = (present & ((red & at_origin) | (~red & has_far))).any(axis=1)
+        return Candidates(np.concatenate([location, color], axis=-1), counts, labels)
 
-    candidates = _balance(rng, n_scenes, draw)
+    candidates = balanced(rng, n_scenes, draw)
     schema = Schema((Attribute("location", 2), Attribute("color", 3)))
-    return _to_scenes(schema, candidates), candidates.labels
+    return to_scenes(schema, candidates), candidates.labels
 
 
 def yellow_scenes(
@@ -219,7 +198,7 @@ def yellow_scenes(
     shares = np.full(len(_HUES), (1 - _YELLOW_SHARE) / (len(_HUES) - 1))
     shares[-1] = _YELLOW_SHARE
 
-    def draw(n_candidates: int) -> _Candidates:
+    def draw(n_candidates: int) -> Candidates:
         counts = rng.integers(lowest, highest + 1, size=n_candidates)
         shape = (n_candidates, highest)
         location = rng.uniform(0, 10, size=(*shape, 2))
@@ -229,24 +208,12 @@ def yellow_scenes(
         color = np.clip(brightness * hue + noise, 0, 1)
         red, green, blue = np.moveaxis(color, -1, 0)
         yellow = (np.abs(red - green) < 0.12) & (red + green > 0.5) & (blue < 0.2)
-        labels = (yellow & _exists(counts, highest)).any(axis=1)
-        return _Candidates(np.concatenate([location, color], axis=-1), counts, labels)
+        labels = (yellow & is_object(counts, highest)).any(axis=1)
+        return Candidates(np.concatenate([location, color], axis=-1), counts, labels)
 
-    candidates = _balance(rng, n_scenes, draw)
+    candidates = balanced(rng, n_scenes, draw)
     schema = Schema((Attribute("location", 2), Attribute("color", 3)))
-    return _to_scenes(schema, candidates), candidates.labels
-
-
-def _range_of_objects(n_objects: NumberOfObjects, *, fewest: int) -> tuple[int, int]:
-    lowest, highest = n_objects if isinstance(n_objects, tuple) else (n_objects, n_objects)
-    lowest = at_least("n_objects", lowest, fewest)
-    return lowest, at_least("the largest n_objects", highest, lowest)
-
-
-def _exists(counts: NDArray[np.int64], n: int) -> NDArray[np.bool_]:
-    """Return (m, n) bool: which places of the padded array hold an object."""
-    exists: NDArray[np.bool_] = np.arange(n) < counts[:, np.newaxis]
-    return exists
+    return to_scenes(schema, candidates), candidates.labels
 
 
 def _is_between(location: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -265,38 +232,12 @@ def _clear_distractors(
     rng: np.random.Generator, location: NDArray[np.float64], counts: NDArray[np.int64]
 ) -> None:
     """Move the objects behind the first ``counts`` of each scene, in place, until none lies between."""
-    distractors = ~_exists(counts, location.shape[1])
+    distractors = ~is_object(counts, location.shape[1])
     while (wrong := _is_between(location) & distractors).any():
         location[wrong] = rng.uniform(0, _BETWEEN_WIDTH, size=(np.count_nonzero(wrong), 2))
 
 
-def _balance(rng: np.random.Generator, n_scenes: int, draw: Callable[[int], _Candidates]) -> _Candidates:
-    """Draw candidates until ``n_scenes // 2`` are positive and the others negative; their order is random."""
-    n_scenes = at_least("n_scenes", n_scenes, 2)
-    labels = np.arange(n_scenes) < n_scenes // 2
-    rng.shuffle(labels)
-    wanted = {True: np.flatnonzero(labels), False: np.flatnonzero(~labels)}
-    first = draw(n_scenes)
-    objects, counts = np.empty_like(first.objects), np.empty_like(first.counts)
-    batch = first
-    for _ in range(_MOST_BATCHES):
-        for label, places in wanted.items():
-            found = np.flatnonzero(batch.labels == label)[: len(places)]
-            filled, wanted[label] = places[: len(found)], places[len(found) :]
-            objects[filled], counts[filled] = batch.objects[found], batch.counts[found]
-        if not len(wanted[True]) and not len(wanted[False]):
-            return _Candidates(objects, counts, labels)
-        batch = draw(n_scenes)
-    missing = "positive" if len(wanted[True]) else "negative"
-    raise InputError(
-        f"too few of {_MOST_BATCHES * n_scenes} drawn scenes are {missing}: choose another n_objects"
-    )
-
-
-def _to_scenes(schema: Schema, candidates: _Candidates, *, n_arguments: int = 0) -> Scenes:
-    """Return the candidates as a batch; the first objects of a scene are its arguments."""
-    counts = candidates.counts
-    matrix = candidates.objects[_exists(counts, candidates.objects.shape[1])]
-    starts = np.cumsum(counts) - counts
-    arguments = starts[:, np.newaxis] + np.arange(n_arguments)
-    return Scenes(schema, matrix, np.arange(len(matrix)), starts, counts.copy(), arguments)
+def _range_of_objects(n_objects: NumberOfObjects, *, fewest: int) -> tuple[int, int]:
+    lowest, highest = n_objects if isinstance(n_objects, tuple) else (n_objects, n_objects)
+    lowest = at_least("n_objects", lowest, fewest)
+    return lowest, at_least("the largest n_objects", highest, lowest)

@@ -1,6 +1,9 @@
-"""The table behind the picture of what was learned in the corridor: values, errors and leaves over x."""
+"""The tables behind the picture of what was learned in the corridor: values, errors and leaves over x."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -19,29 +22,65 @@ from relforest.trees import query
 _N_X = 401
 
 
-def q_function_figure(agent: SMRFRPI) -> Figure:
-    """Draw Q values, Bellman errors of the latest training batch, and active leaves of an agent in the corridor.
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """What an agent has learned in a world with one variable.
+
+    Parameters
+    ----------
+    x : (n_x,) float64
+        Values of the variable.
+    q_values : (n_actions, n_x) float64
+        Value of each action type there.
+    bands : tuple of LeafBand
+        The active leaf of each tree there.
+    errors : BellmanErrors
+        Of the last batch of training examples.
+    """
+
+    x: FloatArray
+    q_values: FloatArray
+    bands: tuple[LeafBand, ...]
+    errors: BellmanErrors
+
+
+def curves(agent: SMRFRPI) -> Curves:
+    """Return what an agent learned in the corridor.
 
     Parameters
     ----------
     agent : SMRFRPI
-        Has learned for at least one iteration in a world with one object and one 1-D attribute.
-
-    References
-    ----------
-    Palmer (2015), Figure 7.1.
+        Has learned for at least one iteration in a world with one object and one 1-D attribute from 0 to 1.
     """
     x = np.linspace(0.0, 1.0, _N_X)
     value = agent.value_
     grids = [_grid(x, schema) for schema in action_schemas(value.schema, value.action_types)]
     q_values = np.array([value.scene_values(kind, grid) for kind, grid in enumerate(grids)])
-    bands = [
-        LeafBand(kind, query(tree, grids[kind]).leaf) for kind, trees in enumerate(value.forests) for tree in trees
-    ]
+    bands = tuple(
+        LeafBand(kind, query(tree, grids[kind]).leaf)
+        for kind, trees in enumerate(value.forests)
+        for tree in trees
+    )
+    return Curves(x, q_values, bands, _errors(agent))
+
+
+def q_function_figure(agent: SMRFRPI) -> Figure:
+    """Draw what an agent learned in the corridor: Q values, Bellman errors of the last batch, active leaves.
+
+    Parameters
+    ----------
+    agent : SMRFRPI
+        As for `curves`.
+
+    References
+    ----------
+    Palmer (2015), Figure 7.1.
+    """
+    found, value, n = curves(agent), agent.value_, len(agent.experience_)
+    title = f"iteration {n}, trees: {value.n_trees}, leaves: {value.n_leaves}"
     names = [action_type.name for action_type in value.action_types]
-    trees = f"{value.n_trees} tree" + ("s" if value.n_trees != 1 else "")
-    title = f"after {len(agent.experience_)} iterations: {trees}, {value.n_leaves} leaves"
-    return corridor_figure(x, q_values, names, _errors(agent), bands, title=title)
+    return corridor_figure(found.x, found.q_values, names, found.errors, found.bands, title=title)
 
 
 def _errors(agent: SMRFRPI) -> BellmanErrors:

@@ -1,7 +1,7 @@
 """The right to write into a folder: it must be empty, or hold an earlier part of exactly the same work.
 
-Runs and studies store what their results depend on in one file, the first that they write. `claimed` compares it
-with what is asked for now, and holds the folder's lock meanwhile.
+Runs and studies store what their results depend on in one file, the first that they write. `claimed` compares
+it with what is asked for now, and holds the folder's lock meanwhile.
 """
 
 from __future__ import annotations
@@ -99,7 +99,9 @@ def _check_kind(folder: Path, identity: Identity) -> None:
     if (folder / identity.file).exists():
         return
     # The identity is the first file to be written, so without it only these can be traces of an interruption.
-    foreign = [path.name for path in folder.iterdir() if path.name != _LOCK and not _TEMPORARY.fullmatch(path.name)]
+    foreign = [
+        path.name for path in folder.iterdir() if path.name != _LOCK and not _TEMPORARY.fullmatch(path.name)
+    ]
     if foreign:
         raise RunFolderError(
             f"{folder} is not empty and holds no {identity.file}, so it is not ours to write to "
@@ -125,22 +127,22 @@ def _check_same(
     here: dict[str, Any],
     is_finished: Callable[[], bool],
 ) -> None:
-    ignored = {identity.growing} if _grows(identity, there) else set()
-    kept = [{name: value for name, value in side.items() if name not in ignored} for side in (there, here)]
-    differing = differences(*kept)
-    if not differing:
-        return
-    if there.get("versions") == here["versions"]:
+    there, here = dict(there), dict(here)
+    software = differences(there.pop("versions", None), here.pop("versions"), "versions")
+    grows = _grows(identity, there)
+    if grows:
+        here[str(identity.growing)] = there[str(identity.growing)]
+    differing = differences(there, here)
+    if differing:
         raise RunFolderError(
-            f"{folder} holds other work: {'; '.join(differing)}; choose another folder, or ask for what it holds"
+            f"{folder} holds other work: {'; '.join(differing)}; "
+            "choose another folder, or ask for what it holds"
         )
-    only_versions = all(name.startswith("versions.") for name in differing)
-    if only_versions and not ignored and is_finished():
-        return
-    raise RunFolderError(
-        f"{folder} was begun differently: {'; '.join(differing)}; choose another folder, or continue it with "
-        "the same options and versions"
-    )
+    if software and (grows or not is_finished()):
+        raise RunFolderError(
+            f"{folder} was begun with other software: {'; '.join(software)}; the rest might not fit what it "
+            "holds, so start again in another folder, or go on with the same versions"
+        )
 
 
 def _grows(identity: Identity, there: Mapping[str, Any]) -> bool:

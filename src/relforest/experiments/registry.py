@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from relforest.experiments import calibration, concepts, corridor, covagg
+from relforest.experiments import calibration, concepts, corridor, covagg, resume
 from relforest.experiments.study import Study
 
 _ALL: Final[tuple[Study[Any], ...]] = (
@@ -45,6 +45,16 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         corridor.run,
         corridor.summarize,
         corridor.figures,
+    ),
+    Study(
+        "resume",
+        "Does a run that was killed at any moment and started again end as if nothing had happened?",
+        resume.SETTINGS,
+        resume.SMOKE,
+        resume.run,
+        resume.summarize,
+        resume.figures,
+        compiles=False,
     ),
 )
 

@@ -11,7 +11,7 @@ from relforest.support.files import read_json
 
 
 def metrics_of(folder: Path) -> list[dict[str, Any]]:
-    """Return the metrics of a run, a row per iteration so far, row 0 = before learning; none if it has not begun.
+    """Return the metrics of a run so far, a row per iteration, the first before learning; none if not begun.
 
     Raises
     ------
@@ -23,7 +23,9 @@ def metrics_of(folder: Path) -> list[dict[str, Any]]:
         return []
     metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
     if not isinstance(metrics, list):
-        raise ModelFormatError(f"{path} is damaged: it has no list of metrics; restore it or choose another folder")
+        raise ModelFormatError(
+            f"{path} is damaged: it has no list of metrics; restore it or choose another folder"
+        )
     return metrics
 
 

@@ -1,14 +1,14 @@
 """Runs a study: settings in parallel, the rows of each saved when it is done, then summary and figures.
 
-A study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting), and,
-derived from them, ``rows.csv``, ``summary.txt`` and the figures.
+A study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting),
+and, derived from them, ``rows.csv``, ``summary.txt`` and the figures.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, is_dataclass
+from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
@@ -48,7 +48,7 @@ def run_study(
     ----------
     study : Study
     out : path
-        Folder of the results. If it holds a part of the same study with the same seed, only the rest is computed.
+        Folder of the results. If it holds a part of the same study and seed, only the rest is computed.
     seed : int
         At least 0; the same seed gives the same rows, whatever `n_jobs`.
     n_jobs : int
@@ -125,15 +125,17 @@ def _read_rows(file: Path, setting: Mapping[str, Any]) -> list[Row]:
     except ModelFormatError as error:
         raise RunFolderError(f"{error}; delete the file, and it is computed again") from error
     rows = document.get("rows")
-    if document.get("setting") != setting or not isinstance(rows, list) or not all(isinstance(r, dict) for r in rows):
+    if (
+        document.get("setting") != setting
+        or not isinstance(rows, list)
+        or not all(isinstance(r, dict) for r in rows)
+    ):
         raise RunFolderError(f"{file} is damaged or of another setting; delete it, and it is computed again")
     return rows
 
 
 def _plain(setting: Setting) -> dict[str, Any]:
-    assert is_dataclass(setting)
-    assert not isinstance(setting, type)
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(setting).items()}
+    return {entry.name: getattr(setting, entry.name) for entry in fields(setting)}
 
 
 def _announcer(

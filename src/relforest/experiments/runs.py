@@ -1,8 +1,8 @@
 """The run store of ``relforest learn``: one folder per run, resumed after any interruption.
 
 A run folder holds ``run.json`` (configuration, versions, seed; written first), what
-`relforest.rl.checkpoint` describes, and two pictures. With several runs there is one such folder for each, and
-``run.json`` and the picture of all rewards stand in the folder around them.
+`relforest.rl.checkpoint` describes, and two pictures. With several runs there is one such folder for each,
+and ``run.json`` and the pictures stand in the folder around them.
 """
 
 from __future__ import annotations
@@ -38,15 +38,16 @@ def learn_runs(
     ----------
     config : RunConfig
     out : path
-        Where the files go. If it holds runs of the same configuration, they are taken up where they stopped, with
-        the same result as if they never had; finished ones are left as they are, and more iterations extend them.
+        Where the files go. If it holds runs of the same configuration, they are taken up where they stopped,
+        with the same result as if they never had; finished ones are left as they are, and more iterations
+        extend them.
     n_jobs : int
-        Runs at the same time, in processes; of a single run, candidate trees at the same time. The result does not
-        depend on it. -1 = all cores.
+        Runs at the same time, in processes; of a single run, candidate trees at the same time. The result
+        does not depend on it. -1 = all cores.
     on_iteration : callable, optional
         Called as ``on_iteration(run, row, seconds)`` after each new iteration of each run: `row` is a line of
-        ``metrics.jsonl``, `seconds` says what took how long. Iterations of other processes are reported with a
-        delay and without seconds.
+        ``metrics.jsonl``, `seconds` says what took how long. Iterations of other processes are reported with
+        a delay and without seconds.
 
     Returns
     -------
@@ -106,9 +107,7 @@ def learn_run(
         n_jobs=n_jobs,
         checkpoint=folder,
     )
-    agent.learn(
-        config.iterations, config.episodes, test_episodes=config.test_episodes, on_iteration=report
-    )
+    agent.learn(config.iterations, config.episodes, test_episodes=config.test_episodes, on_iteration=report)
 
 
 def warm_up(config: RunConfig) -> None:
@@ -127,7 +126,9 @@ def _learn_many(
         return
     warm_up(config)
     with watching(_announcer(dict(unfinished), on_iteration)):
-        run_tasks(learn_run, [(config, run, folder) for run, folder in tasks], n_jobs=n_jobs, prefer="processes")
+        run_tasks(
+            learn_run, [(config, run, folder) for run, folder in tasks], n_jobs=n_jobs, prefer="processes"
+        )
 
 
 def _is_finished(config: RunConfig, folders: list[Path]) -> bool:

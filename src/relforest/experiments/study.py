@@ -1,11 +1,11 @@
-"""What a study is: settings, a function from a setting to tidy rows, and functions from the table to results."""
+"""What a study is: settings, a function from a setting to tidy rows, functions from the table to results."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import Field, dataclass
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar, final
+from typing import Any, ClassVar, Generic, Protocol, TypeVar, final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,6 +17,8 @@ from relforest.support.rng import seed_sequence, stream
 
 class Setting(Protocol):
     """One part of a study that is computed at once: a frozen dataclass of plain JSON values."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     def __str__(self) -> str:
         """Return a few words that name the setting."""

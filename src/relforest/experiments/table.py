@@ -47,7 +47,7 @@ class Table:
         for number, row in enumerate(self.rows):
             if tuple(row) != self.columns:
                 raise InputError(
-                    f"row {number} has the columns {', '.join(row)}, but the first row {', '.join(self.columns)}"
+                    f"row {number} has the columns {', '.join(row)}, but the first {', '.join(self.columns)}"
                 )
 
     @classmethod
@@ -111,7 +111,7 @@ class Table:
         return Table(tuple(self.rows[i] for i in kept))
 
     def to_csv(self) -> str:
-        """Return the table as CSV text with a header; floats are written so that they are read back exactly."""
+        """Return the table as CSV text with a header; floats are written with all their digits."""
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(self.columns)

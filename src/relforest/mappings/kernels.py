@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.mappings.operations import DIFFERENCE, DISTANCE, IDENTITY, REFRAME
-from relforest.support.jit import kernel
+from relforest.support.jit import inlined, kernel
 
 
-@kernel
+@inlined
 def wrap_angle(angle: float) -> float:
     """`angle` (radians) moved into [-pi, pi]."""
     return float(angle - 2.0 * math.pi * np.rint(angle / (2.0 * math.pi)))
 
 
-@kernel
+@inlined
 def map_point(
     code: int,
     circular: bool,
@@ -25,66 +25,48 @@ def map_point(
     matrix: NDArray[np.float64],
     objects: tuple[int, int, int],
     out: NDArray[np.float64],
+    place: int,
 ) -> bool:
-    """Write the mapping's value for one tuple of objects into `out`; False if it is undefined.
+    """Write the mapping's value for one tuple of objects into ``out[place]``; False if it is undefined.
 
     `span` is (first column, dimension) of the attribute in `matrix` (n_rows, width); `objects` are
     row numbers, -1 for "no object", and unused places are ignored.
     """
     first, dim = span
     a, b, c = objects
-    if a < 0:
+    if a < 0 or (code != IDENTITY and b < 0) or (code >= REFRAME and c < 0):
         return False
+    # Components are summed, so that one test at the end finds NaN.
+    total = 0.0
     if code == IDENTITY:
         for i in range(dim):
-            out[i] = matrix[a, first + i]
-            if math.isnan(out[i]):
-                return False
-        return True
-    if b < 0:
-        return False
-    if code == DIFFERENCE:
+            out[place, i] = matrix[a, first + i]
+            total += out[place, i]
+    elif code == DIFFERENCE:
         for i in range(dim):
-            out[i] = matrix[b, first + i] - matrix[a, first + i]
-            if math.isnan(out[i]):
-                return False
+            out[place, i] = matrix[b, first + i] - matrix[a, first + i]
+            total += out[place, i]
         if circular:
-            out[0] = wrap_angle(out[0])
-        return True
-    if code == DISTANCE:
-        total = 0.0
+            out[place, 0] = wrap_angle(out[place, 0])
+    elif code == DISTANCE:
         for i in range(dim):
             step = matrix[b, first + i] - matrix[a, first + i]
             total += step * step
-        out[0] = math.sqrt(total)
-        return not math.isnan(total)
-    return _reframe(code, first, matrix, (a, b, c), out)
-
-
-@kernel
-def _reframe(
-    code: int,
-    first: int,
-    matrix: NDArray[np.float64],
-    objects: tuple[int, int, int],
-    out: NDArray[np.float64],
-) -> bool:
-    """Position of the third object in the frame spanned by the first two (plane only)."""
-    a, b, c = objects
-    if c < 0:
-        return False
-    ux = matrix[b, first] - matrix[a, first]
-    uy = matrix[b, first + 1] - matrix[a, first + 1]
-    wx = matrix[c, first] - matrix[a, first]
-    wy = matrix[c, first + 1] - matrix[a, first + 1]
-    squared = ux * ux + uy * uy
-    scale = math.sqrt(squared) if code == REFRAME else squared
-    # Coincident A and B define no direction; the negated test also catches NaN.
-    if not scale > 0.0:
-        return False
-    out[0] = (ux * wx + uy * wy) / scale
-    out[1] = (ux * wy - uy * wx) / scale
-    return not (math.isnan(out[0]) or math.isnan(out[1]))
+        out[place, 0] = math.sqrt(total)
+    else:
+        ux = matrix[b, first] - matrix[a, first]
+        uy = matrix[b, first + 1] - matrix[a, first + 1]
+        wx = matrix[c, first] - matrix[a, first]
+        wy = matrix[c, first + 1] - matrix[a, first + 1]
+        squared = ux * ux + uy * uy
+        scale = math.sqrt(squared) if code == REFRAME else squared
+        # Coincident A and B define no direction; the negated test also catches NaN.
+        if not squared > 0.0:
+            scale = np.nan
+        out[place, 0] = (ux * wx + uy * wy) / scale
+        out[place, 1] = (ux * wy - uy * wx) / scale
+        total = out[place, 0] + out[place, 1]
+    return not math.isnan(total)
 
 
 @kernel
@@ -102,5 +84,5 @@ def map_points(
         a = rows[i, 0]
         b = rows[i, 1] if arity > 1 else -1
         c = rows[i, 2] if arity > 2 else -1
-        if not map_point(code, circular, span, matrix, (a, b, c), out[i]):
+        if not map_point(code, circular, span, matrix, (a, b, c), out, i):
             out[i, :] = np.nan

@@ -109,7 +109,21 @@ class Mapping:
         ndarray (n, dim)
             NaN throughout a row where the value is undefined: an object or its attribute is missing,
             or a frame's two objects coincide.
+
+        Raises
+        ------
+        InputError
+            If `matrix` or `rows` has another shape, or a row number lies outside the matrix.
         """
+        if matrix.shape != (len(matrix), schema.width) or rows.shape != (len(rows), self.arity):
+            msg = (
+                f"{self.name} needs a matrix (n_objects, {schema.width}) and rows (n, {self.arity}), "
+                f"got {matrix.shape} and {rows.shape}"
+            )
+            raise InputError(msg)
+        if rows.size and not -1 <= rows.min() <= rows.max() < len(matrix):
+            msg = f"rows must be -1 or row numbers of the matrix, 0 to {len(matrix) - 1}"
+            raise InputError(msg)
         out = np.empty((len(rows), self.dim))
         span = (schema.offset(self.attribute.name), self.attribute.dim)
         map_points(self.rule.code, self.space == "circle", span, matrix, rows, out)

@@ -20,7 +20,7 @@ _TOP_HEIGHT: Final = 3.3
 _BAND_HEIGHT: Final = 0.16
 _MOST_NAMED: Final = 24
 _MOST_POINTS: Final = 1500
-_SHADES: Final = (0.75, 0.25, 0.5)
+_DARKEST, _LIGHTEST = 0.8, 0.2
 
 
 @final
@@ -170,15 +170,17 @@ def _draw_errors(axes: Axes, bellman: BellmanErrors, n_actions: int) -> None:
 def _draw_bands(axes: Axes, x: NDArray[np.float64], bands: Sequence[LeafBand], names: Sequence[str]) -> None:
     for row, band in enumerate(bands):
         color = SERIES[band.action % len(SERIES)]
+        present = np.unique(band.leaves)
+        shades = dict(zip(present.tolist(), np.linspace(_DARKEST, _LIGHTEST, len(present)), strict=True))
         for low, high, leaf in _stretches(x, band.leaves):
-            shade = mixed(color, _SHADES[leaf % len(_SHADES)])
+            shade = mixed(color, float(shades[leaf]))
             axes.barh(row, high - low, left=low, height=0.8, color=shade, edgecolor=PAPER, linewidth=0.5)
     axes.set_ylim(max(len(bands), 1) - 0.4, -0.6)
     named = range(len(bands)) if len(bands) <= _MOST_NAMED else range(0)
     axes.set_yticks(list(named), [names[bands[row].action] for row in named])
     axes.tick_params(axis="y", length=0, labelsize=7)
     axes.spines["left"].set_visible(False)
-    axes.set_ylabel("active leaf of each tree", fontsize=8.0)
+    axes.set_title("active leaf of each tree", loc="left", pad=2.0, fontsize=8.0)
     if not bands:
         axes.text(0.5, 0.5, "no trees", transform=axes.transAxes, ha="center", va="center", color=INK)
 

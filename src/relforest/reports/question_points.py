@@ -89,7 +89,7 @@ def _visit(
             stack.append((node.child, _extended(sequences, scenes, places)))
             continue
         points = _points(node, scenes, sequences)
-        defined: NDArray[np.bool_] = ~np.isnan(points).any(axis=1)
+        defined = np.asarray(~np.isnan(points).any(axis=1))
         inside = np.zeros(len(points), dtype=np.bool_)
         inside[defined] = node.volume.contains(points[defined])
         stack.append((node.error, sequences.where(~defined)))

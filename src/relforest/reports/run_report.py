@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from relforest.reports.learning_figure import mean_and_deviation
 from relforest.rl.checkpoint import CHECKPOINT, FORMAT, METRIC_NAMES, VERSION
 from relforest.rl.policy_file import read_policy
 from relforest.rl.value import ValueFunction
@@ -36,14 +37,21 @@ def run_report(folder: str | PathLike[str]) -> str:
 
 def metrics_table(rows: Iterable[Mapping[str, Any]]) -> str:
     """Return rows of metrics as a table of text, one line each; what is missing is a dash."""
-    names = [name.replace("_", " ") for name in METRIC_NAMES]
-    cells = [[_cell(row.get(name)) for name in METRIC_NAMES] for row in rows]
-    widths = [max(len(line[i]) for line in (names, *cells)) for i in range(len(names))]
-    lines = [
-        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
-        for line in (names, *cells)
-    ]
-    return "\n".join(lines)
+    return _aligned([[_cell(row.get(name)) for name in METRIC_NAMES] for row in rows])
+
+
+def averages_table(runs: Sequence[Sequence[Mapping[str, Any]]]) -> str:
+    """Return the mean and the standard deviation of each metric over runs, one line per iteration."""
+    columns: list[list[str]] = []
+    for name in METRIC_NAMES[1:]:
+        measured = [[row for row in run if row.get(name) is not None] for run in runs]
+        iterations, means, deviations = mean_and_deviation(measured, name)
+        cells = dict(zip(iterations.tolist(), zip(means, deviations, strict=True), strict=True))
+        columns.append(
+            [f"{cells[i][0]:.3f} ({cells[i][1]:.3f})" if i in cells else "-" for i in _iterations(runs)]
+        )
+    rows = [[str(i), *cells] for i, *cells in zip(_iterations(runs), *columns, strict=True)]
+    return _aligned(rows)
 
 
 def trees_in_words(value: ValueFunction) -> str:
@@ -62,3 +70,16 @@ def _cell(value: object) -> str:
     if value is None:
         return "-"
     return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+def _iterations(runs: Sequence[Sequence[Mapping[str, Any]]]) -> list[int]:
+    return sorted({int(row["iteration"]) for run in runs for row in run})
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows below the names of the metrics, columns aligned to the right."""
+    lines = [[name.replace("_", " ") for name in METRIC_NAMES], *rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    return "\n".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in lines
+    )

@@ -58,14 +58,16 @@ def draw_volume(
     elif volume.dim == 1:
         half = float(np.linalg.norm(volume.axes[0]))
         mean = float(volume.mean[0])
-        _draw_interval(axes, (mean - half, mean + half), mean, points, witness)
+        _draw_interval(axes, (mean - half, mean + half), points, witness)
+        axes.axvline(mean, color=_FILL_EDGE, linewidth=1.0, linestyle="--", zorder=1)
         axes.set_xlabel(mapping.name, labelpad=1.0, parse_math=False)
     else:
         scaled = None
         if points is not None:
             scaled = QuestionPoints(_relative(volume, points.points), points.positive)
         at = None if witness is None else _relative(volume, witness[None])[0]
-        _draw_interval(axes, (0.0, 1.0), 0.0, scaled, at)
+        _draw_interval(axes, (0.0, 1.0), scaled, at)
+        axes.set_xlim(left=0.0)
         axes.set_xlabel("Mahalanobis distance / radius", labelpad=1.0)
 
 
@@ -109,16 +111,24 @@ def _show_undistorted(axes: Axes, low: Points, high: Points) -> None:
 
 
 def _window(
-    mean: Points, half: Points, points: Points | None, witness: Points | None
+    mean: Points,
+    half: Points,
+    points: Points | None,
+    witness: Points | None,
+    *,
+    surroundings: float = 3.0,
 ) -> tuple[Points, Points]:
-    """Return the corners of what is shown: the volume, and its surroundings as far as there are points."""
+    """Return the corners of what is shown: the volume, and its surroundings as far as there are points.
+
+    The surroundings reach at most so many times the half extents of the volume from its middle.
+    """
     low, high = mean - 1.15 * half, mean + 1.15 * half
     if points is not None and len(points):
         outer = np.quantile(points, [0.01, 0.99], axis=0)
         margin = 0.05 * (outer[1] - outer[0])
         around = (
-            np.maximum(outer[0] - margin, mean - 3.0 * half),
-            np.minimum(outer[1] + margin, mean + 3.0 * half),
+            np.maximum(outer[0] - margin, mean - surroundings * half),
+            np.minimum(outer[1] + margin, mean + surroundings * half),
         )
         # A volume may be so large that it amounts to an inequality; then its far end is of no interest.
         huge = half > 2.0 * (outer[1] - outer[0])
@@ -145,15 +155,13 @@ def _star(axes: Axes, x: float, y: float) -> None:
 def _draw_interval(
     axes: Axes,
     interval: tuple[float, float],
-    mean: float,
     points: QuestionPoints | None,
     witness: Points | None,
 ) -> None:
     """Draw an interval over a histogram: positive scenes upwards, negative ones downwards."""
     axes.axvspan(*interval, facecolor=_FILL, edgecolor=_FILL_EDGE, linewidth=1.2, zorder=0.5)
-    axes.axvline(mean, color=_FILL_EDGE, linewidth=1.0, linestyle="--", zorder=1)
     middle, half = np.array([np.mean(interval)]), np.array([(interval[1] - interval[0]) / 2])
-    low, high = _window(middle, half, None if points is None else points.points, witness)
+    low, high = _window(middle, half, None if points is None else points.points, witness, surroundings=5.0)
     axes.set_xlim(low[0], high[0])
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set_yticks([])

@@ -97,21 +97,24 @@ def read_policy(folder: str | os.PathLike[str]) -> ValueFunction:
     ModelFormatError
         If a file is missing or malformed, or the files do not belong together.
     """
-    root = Path(folder)
-    document = read_json(root / POLICY, format=FORMAT, version=VERSION)
-    actions = document.get("actions")
-    names = (
-        [entry.get("weights") for entry in actions if isinstance(entry, dict)]
-        if isinstance(actions, list)
-        else []
-    )
-    arrays = read_npz(root / WEIGHTS, ["iteration", *(str(name) for name in names)])
-    if arrays["iteration"].shape != () or arrays["iteration"] != document.get("iteration"):
+    value = _read_parts(Path(folder))
+    if value is None:
         raise ModelFormatError(
-            f"{root / POLICY} and {WEIGHTS} are of different iterations, as an interrupted run leaves them; "
-            "start the run again, which restores both"
+            f"{POLICY} and {WEIGHTS} in {folder} are of different iterations, as an interrupted run may leave "
+            "them; start the run again, which restores both"
         )
-    return rebuild(document, arrays, root, str(root / POLICY))[0]
+    return value
+
+
+def check_policy(folder: str | os.PathLike[str]) -> None:
+    """Check that the files of a policy are readable; an interruption between writing them does no harm.
+
+    Raises
+    ------
+    ModelFormatError
+        If a file is missing or malformed.
+    """
+    _read_parts(Path(folder))
 
 
 def write_tree(folder: Path, name: str, tree: Tree) -> None:
@@ -132,6 +135,21 @@ def slugs(action_types: Sequence[ActionType]) -> tuple[str, ...]:
         name if lower.count(name.lower()) == 1 and name != "iteration" else f"{name}-{number}"
         for number, name in enumerate(plain)
     )
+
+
+def _read_parts(folder: Path) -> ValueFunction | None:
+    """Read a policy; None if its two files are sound, but of different iterations."""
+    path = folder / POLICY
+    document = read_json(path, format=FORMAT, version=VERSION)
+    try:
+        names = [str(entry["weights"]) for entry in document["actions"]]
+        iteration = int(document["iteration"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ModelFormatError(f"{path} does not describe a policy: {error!r}") from error
+    arrays = read_npz(folder / WEIGHTS, ["iteration", *names])
+    if not np.array_equal(arrays["iteration"], iteration):
+        return None
+    return rebuild(document, arrays, folder, str(path))[0]
 
 
 def _read_tree(path: Path) -> Tree:

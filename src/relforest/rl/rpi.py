@@ -15,7 +15,7 @@ from relforest.rl.checkpoint import TIMINGS, Progress, Row, RunFolder
 from relforest.rl.configuration import check_configuration, check_world, describe_run, restore_run
 from relforest.rl.experience import Experience
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
-from relforest.rl.policy_file import read_policy, slugs, tree_name
+from relforest.rl.policy_file import check_policy, slugs, tree_name
 from relforest.rl.rollout import Environment, rollout, world_of
 from relforest.rl.rounds import improve
 from relforest.rl.samples import draw_samples
@@ -253,7 +253,7 @@ class SMRFRPI:
         """
         stored = RunFolder(folder)
         progress, configuration = stored.read()
-        read_policy(folder)
+        check_policy(folder)
         check_world(progress.value, env)
         seed, settings = restore_run(configuration, stored.path)
         agent = cls(env, settings=settings, random_state=seed)

@@ -10,6 +10,25 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
+def inlined(function: Function) -> Function:
+    """Compile ``function`` into each of its callers: for the steps of an inner loop.
+
+    A call between kernels counts the references of every array passed, which takes longer than a short step.
+
+    Parameters
+    ----------
+    function : callable
+        As for `kernel`, called by kernels.
+
+    Returns
+    -------
+    callable
+        A drop-in replacement.
+    """
+    compiled = numba.njit(cache=True, nogil=True, error_model="numpy", inline="always")(function)
+    return cast("Function", compiled)
+
+
 def kernel(function: Function) -> Function:
     """Compile ``function`` with Numba on its first call, and keep the machine code on disk.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Sequence
+from contextlib import suppress
 
 from relforest.support.errors import InputError
 
@@ -69,11 +70,13 @@ def in_range(
         If ``value`` is not a number, or lies outside the bounds.
     """
     if not isinstance(value, bool) and isinstance(value, numbers.Real):
-        number = float(value)
-        above = number > low if open_low else number >= low
-        below = number < high if open_high else number <= high
-        if above and below:
-            return number
+        # An integer may be too large for a float; it is then outside all bounds.
+        with suppress(OverflowError):
+            number = float(value)
+            above = number > low if open_low else number >= low
+            below = number < high if open_high else number <= high
+            if above and below:
+                return number
     raise InputError(
         f"{name} must be {_described(low, high, open_low=open_low, open_high=open_high)}, got {value!r}"
     )

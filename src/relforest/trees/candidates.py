@@ -82,7 +82,7 @@ class PreparedQuestion:
         node = Question(mapping, tuple(range(mapping.arity)), volume, 1, 2, 3)
         packed = pack(self.scenes.schema, (node, *(Leaf(0.0, 0, 0),) * 3))
         answers = np.empty(len(rows), dtype=np.int8)
-        answer_tuples(packed.nodes[0], packed.numbers, self.scenes.matrix, rows, answers)
+        answer_tuples(packed.nodes, packed.numbers, self.scenes.matrix, rows, answers)
         return answers
 
     def presence(self, volume: Volume) -> NDArray[np.bool_]:
@@ -143,15 +143,15 @@ def prepare(
     every point is undefined are dropped: there is nothing to ask.
     """
     prepared: list[PreparedQuestion] = []
-    extended: dict[int, Sequences] = {0: at_leaf}
+    extended = [at_leaf]
     left_out = 0
     for expansion in expansions(mappings, at_leaf.depth, scenes.schema.n_parameters):
-        if expansion.n_new not in extended:
-            previous = extended.get(expansion.n_new - 1)
-            if previous is None or _too_many(previous, scenes, places, max_points):
-                left_out += 1
-                continue
-            extended[expansion.n_new] = previous.extended(scenes.counts, places)
+        # Step by step: there may be no expansion with fewer new variables, if no mapping takes so few.
+        while len(extended) <= expansion.n_new and not _too_many(extended[-1], scenes, places, max_points):
+            extended.append(extended[-1].extended(scenes.counts, places))
+        if len(extended) <= expansion.n_new:
+            left_out += 1
+            continue
         sequences = extended[expansion.n_new]
         question = PreparedQuestion(scenes, expansion, sequences, sequences.distinct(expansion.variables))
         if len(question.points):

@@ -71,10 +71,11 @@ class TreeSettings:
         at_least("attempts", self.attempts, 1)
         at_least("permutations", self.permutations, 1)
         at_least("max_points", self.max_points, 1)
-        if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0:
+        # The slack makes up for an alpha such as 1 / 49, whose product with 49 is rounded below 1.
+        if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0 - 1e-9:
             msg = (
                 f"permutations={self.permutations} can never reach alpha={self.alpha}: "
-                f"use at least {math.ceil(1 / self.alpha) - 1}"
+                f"use at least {math.ceil(1 / self.alpha - 1e-9) - 1}"
             )
             raise InputError(msg)
 

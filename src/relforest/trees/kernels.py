@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from relforest.mappings.kernels import map_point, wrap_angle
-from relforest.support.jit import kernel
+from relforest.support.jit import inlined, kernel
 from relforest.trees.packing import (
     ATTRIBUTE_DIM,
     CHILDREN,
@@ -64,39 +64,44 @@ def query_work(n_variables: int, n_asked: int, n_dims: int) -> QueryWork:
     )
 
 
-@kernel
+@inlined
 def ask(
-    node: NDArray[np.int64],
+    nodes: NDArray[np.int64],
+    node: int,
     numbers: NDArray[np.float64],
     matrix: NDArray[np.float64],
     objects: tuple[int, int, int],
-    point: NDArray[np.float64],
+    points: NDArray[np.float64],
+    place: int,
 ) -> tuple[int, float]:
-    """Answer one question for one tuple of object rows: (answer, log density relative to the peak)."""
-    circular = node[CIRCULAR] == 1
-    span = (node[FIRST], node[ATTRIBUTE_DIM])
-    if not map_point(node[OPERATION], circular, span, matrix, objects, point):
-        return ERROR, -np.inf
-    at, dim = node[VOLUME], node[DIM]
-    if circular:
-        offset = wrap_angle(point[0] - numbers[at + 2])
-        answer = YES if offset * offset <= numbers[at] else NO
-        return answer, numbers[at + 1] * (math.cos(offset) - 1.0)
-    mean, precision = at + 2, at + 2 + dim
-    squared = 0.0
-    for i in range(dim):
-        offset = point[i] - numbers[mean + i]
-        row = precision + i * dim
-        product = 0.0
-        for j in range(dim):
-            product += numbers[row + j] * (point[j] - numbers[mean + j])
-        squared += offset * product
-    answer = YES if squared <= numbers[at] else NO
-    return answer, -0.5 * numbers[at + 1] * squared
+    """Answer one question for one tuple of object rows: (answer, log density relative to the peak).
+
+    ``points[place]`` serves as space for the mapped point.
+    """
+    circular = nodes[node, CIRCULAR] == 1
+    span = (nodes[node, FIRST], nodes[node, ATTRIBUTE_DIM])
+    answer, density = ERROR, -np.inf
+    if map_point(nodes[node, OPERATION], circular, span, matrix, objects, points, place):
+        at, dim = nodes[node, VOLUME], nodes[node, DIM]
+        mean, precision = at + 2, at + 2 + dim
+        squared = 0.0
+        if circular:
+            offset = wrap_angle(points[place, 0] - numbers[mean])
+            squared = offset * offset
+            density = numbers[at + 1] * (math.cos(offset) - 1.0)
+        else:
+            for i in range(dim):
+                product = 0.0
+                for j in range(dim):
+                    product += numbers[precision + i * dim + j] * (points[place, j] - numbers[mean + j])
+                squared += product * (points[place, i] - numbers[mean + i])
+            density = -0.5 * numbers[at + 1] * squared
+        answer = YES if squared <= numbers[at] else NO
+    return answer, density
 
 
 @kernel
-def query_scene(
+def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     nodes: NDArray[np.int64],
     numbers: NDArray[np.float64],
     root: int,
@@ -109,39 +114,27 @@ def query_scene(
 
     Of all instantiation sequences those in the most probable leaf count, and of these the one with
     the largest product of densities (sections 4.1 and 6.4). Branches that cannot reach a leaf as
-    probable as the best so far are skipped.
+    probable as the best so far are skipped. The first variables belong to the action's arguments;
+    later ones go through all objects not yet in the sequence, or are bound to "no object" once if
+    there is none.
 
-    Parameters
-    ----------
-    nodes, numbers
-        One or several packed trees, end to end.
-    root : int
-        Row of `nodes` to begin at.
-    matrix : ndarray (n_rows, width)
-        Attribute values of all objects.
-    objects : int64 ndarray (n_objects,)
-        Rows of the scene's objects.
-    arguments : int64 ndarray (k,)
-        Rows of the objects bound to action arguments, -1 = none.
-    work : QueryWork
-        Buffers from `query_work`.
+    `nodes` and `numbers` hold one or several packed trees, the one to ask at row `root`; `objects`
+    and `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`.
     """
     state, floats = work.integers, work.numbers
-    bound = state[BOUND]
     winner, best_rank, best_total = -1, nodes.shape[0], -np.inf
     node, depth, asked, total = root, 0, 0, 0.0
     while True:
         kind = nodes[node, KIND]
         if kind == QUESTION:
-            row = nodes[node]
-            a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
-            bound_objects = (bound[a], bound[b] if b >= 0 else -1, bound[c] if c >= 0 else -1)
-            answer, density = ask(row, numbers, matrix, bound_objects, floats[_POINT])
+            a, b, c = nodes[node, VARIABLES], nodes[node, VARIABLES + 1], nodes[node, VARIABLES + 2]
+            bound = (state[BOUND, a], state[BOUND, b] if b >= 0 else -1, state[BOUND, c] if c >= 0 else -1)
+            answer, density = ask(nodes, node, numbers, matrix, bound, floats, _POINT)
             floats[_PATH, asked] = density
             if answer != ERROR:
                 total += density
             asked += 1
-            node = row[CHILDREN + answer]
+            node = nodes[node, CHILDREN + answer]
             if nodes[node, RANK] <= best_rank:
                 continue
         elif kind == INSTANTIATION:
@@ -151,49 +144,48 @@ def query_scene(
         elif nodes[node, RANK] < best_rank or total > best_total:
             best_rank, best_total = nodes[node, RANK], total
             winner = nodes[node, ORDINAL]
-            for i in range(floats.shape[1]):
-                floats[BEST_PATH, i] = floats[_PATH, i] if i < asked else -np.inf
-            for i in range(len(bound)):
-                state[WITNESSES, i] = bound[i] if i < depth else -1
-        # Go on with the next object of the innermost variable that has one left.
+            _remember(state, floats, depth, asked)
+        # Go on with the next object of the innermost variable that has one left. This stands here
+        # rather than in a function of its own because a third of the speed depends on it.
         while depth > 0:
-            above = state[_NODE, depth - 1]
-            if nodes[above, RANK] <= best_rank and _bind_next(depth - 1, state, objects, arguments):
-                node, asked = nodes[above, CHILDREN], state[_ASKED, depth - 1]
-                total = floats[_TOTAL, depth - 1]
+            variable = depth - 1
+            above, place = state[_NODE, variable], state[_CURSOR, variable]
+            found = False
+            if nodes[above, RANK] <= best_rank:
+                found = place < 0
+                if variable < len(arguments):
+                    state[BOUND, variable] = arguments[variable]
+                    state[_CURSOR, variable] = 0
+                else:
+                    place += 1
+                    while place < len(objects):
+                        repeated = False
+                        for earlier in range(variable):
+                            repeated |= state[BOUND, earlier] == objects[place]
+                        if not repeated:
+                            break
+                        place += 1
+                    state[BOUND, variable] = -1
+                    state[_CURSOR, variable] = place
+                    if place < len(objects):
+                        state[BOUND, variable] = objects[place]
+                        found = True
+            if found:
+                node, asked = nodes[above, CHILDREN], state[_ASKED, variable]
+                total = floats[_TOTAL, variable]
                 break
             depth -= 1
         if depth == 0:
             return winner
 
 
-@kernel
-def _bind_next(
-    variable: int, state: NDArray[np.int64], objects: NDArray[np.int64], arguments: NDArray[np.int64]
-) -> bool:
-    """Bind the variable to its next object; False when there is none left.
-
-    The first variables belong to the action's arguments. Later ones go through all objects not yet
-    in the sequence. If there is none at all, the variable is bound to "no object" once.
-    """
-    place = state[_CURSOR, variable]
-    if variable < len(arguments):
-        state[BOUND, variable] = arguments[variable]
-        state[_CURSOR, variable] = 0
-        return bool(place < 0)
-    never_bound = bool(place < 0)
-    for i in range(place + 1, len(objects)):
-        candidate = objects[i]
-        repeated = False
-        for earlier in range(variable):
-            repeated |= state[BOUND, earlier] == candidate
-        if not repeated:
-            state[BOUND, variable] = candidate
-            state[_CURSOR, variable] = i
-            return True
-    state[BOUND, variable] = -1
-    state[_CURSOR, variable] = len(objects)
-    return never_bound
+@inlined
+def _remember(state: NDArray[np.int64], floats: NDArray[np.float64], depth: int, asked: int) -> None:
+    """Keep the present sequence and its densities as the best so far."""
+    for i in range(floats.shape[1]):
+        floats[BEST_PATH, i] = floats[_PATH, i] if i < asked else -np.inf
+    for i in range(state.shape[1]):
+        state[WITNESSES, i] = state[BOUND, i] if i < depth else -1
 
 
 @kernel
@@ -223,15 +215,15 @@ def query_batch(
 
 @kernel
 def answer_tuples(
-    node: NDArray[np.int64],
+    nodes: NDArray[np.int64],
     numbers: NDArray[np.float64],
     matrix: NDArray[np.float64],
     rows: NDArray[np.int64],
     answers: NDArray[np.int8],
 ) -> None:
-    """Answer one packed question for each tuple of object rows (n, arity)."""
-    point = np.empty(max(node[DIM], 1))
+    """Answer the question in the first of the packed `nodes` for each tuple of object rows (n, arity)."""
+    point = np.empty((1, max(nodes[0, DIM], nodes[0, ATTRIBUTE_DIM])))
     arity = rows.shape[1]
     for i in range(len(rows)):
         objects = (rows[i, 0], rows[i, 1] if arity > 1 else -1, rows[i, 2] if arity > 2 else -1)
-        answers[i] = ask(node, numbers, matrix, objects, point)[0]
+        answers[i] = ask(nodes, 0, numbers, matrix, objects, point, 0)[0]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from relforest.mappings import Mapping
 from relforest.support.errors import ModelFormatError
+from relforest.support.options import in_range
 from relforest.trees.nodes import Instantiation, Leaf, Node, Question
 from relforest.volumes import volume_from_dict
 
@@ -43,9 +44,9 @@ def node_from_dict(document: dict[str, Any], schema: Schema) -> Node:
     kind = document["kind"]
     if kind == "leaf":
         counts = [_whole(document[key]) for key in ("negatives", "positives")]
-        probability = float(document["probability"])
-        if not 0.0 <= probability <= 1.0 or min(counts) < 0:
-            msg = f"malformed leaf: probability {probability}, counts {counts}"
+        probability = in_range("probability", document["probability"], 0.0, 1.0)
+        if min(counts) < 0:
+            msg = f"malformed leaf: counts {counts}"
             raise ModelFormatError(msg)
         return Leaf(probability, *counts)
     if kind == "instantiation":

@@ -92,9 +92,9 @@ def _pack_question(schema: Schema, node: Question, row: NDArray[np.int64]) -> No
 
 def _volume_numbers(volume: Volume) -> NDArray[np.float64]:
     if isinstance(volume, Ellipsoid):
-        head = [volume.radius**2, volume.density_sharpness]
+        head = [volume.radius * volume.radius, volume.density_sharpness]
         return np.concatenate([head, volume.mean, volume.precision.ravel()])
-    return np.array([volume.radius**2, volume.kappa, volume.mean, 1.0])
+    return np.array([volume.radius * volume.radius, volume.kappa, volume.mean, 1.0])
 
 
 def _rank(nodes: tuple[Node, ...], table: NDArray[np.int64]) -> None:

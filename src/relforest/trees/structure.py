@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from relforest.support.errors import InputError
 from relforest.trees.nodes import Instantiation, Node, Question, children
 
 if TYPE_CHECKING:
     from relforest.scenes import Schema
+
+# What is remembered grows with the square of a branch's length, which a hostile file could exploit.
+MAX_DEPTH: Final = 1000
 
 
 def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int], list[tuple[int, ...]]]:
@@ -22,8 +25,8 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
     Raises
     ------
     InputError
-        If the nodes do not form one tree in depth-first order, or a question does not fit the schema,
-        its variables or its volume.
+        If the nodes do not form one tree in depth-first order, a branch asks more than `MAX_DEPTH`
+        questions, or a question does not fit the schema, its variables or its volume.
     """
     if not nodes:
         msg = "a tree needs at least one node"
@@ -37,12 +40,16 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
             raise InputError(msg)
         if isinstance(node, Question):
             _check_question(schema, i, node, bound[i])
+        path = (*above[i], i) if isinstance(node, Question) else above[i]
+        if len(path) > MAX_DEPTH:
+            msg = f"node {i} is question number {len(path)} of its branch: at most {MAX_DEPTH} are allowed"
+            raise InputError(msg)
         for child in children(node):
             if not i < child < len(nodes) or bound[child] >= 0:
                 msg = f"node {i} points to node {child}: every node needs one parent, before it in the list"
                 raise InputError(msg)
             bound[child] = bound[i] + isinstance(node, Instantiation)
-            above[child] = (*above[i], i) if isinstance(node, Question) else above[i]
+            above[child] = path
     if _preorder(nodes) != list(range(len(nodes))):
         msg = "the nodes are not in depth-first order (Yes, No, Error)"
         raise InputError(msg)

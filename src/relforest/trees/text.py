@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,8 @@ from relforest.volumes import Arc, Volume
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from numpy.typing import NDArray
 
     from relforest.scenes import Schema
 
@@ -83,13 +86,12 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
         if isinstance(node, Leaf):
             yield f"{margin}{label}{leaf_summary(node)}"
             continue
-        if isinstance(node, Question):
-            text = sentence(node, fresh_variables(schema, n_bound, n_new))
-            where = f"{', '.join(given)}; " if given else ""
-            yield f"{margin}{label}{where}{text}?"
-            answers = zip(ANSWERS, (node.yes, node.no, node.error), strict=True)
-            following = [(child, n_bound + n_new, indent + 1, f"{answer}: ") for answer, child in answers]
-            stack.extend(reversed(following))
+        text = sentence(node, fresh_variables(schema, n_bound, n_new))
+        where = f"{', '.join(given)}; " if given else ""
+        yield f"{margin}{label}{where}{text}?"
+        answers = zip(ANSWERS, (node.yes, node.no, node.error), strict=True)
+        following = [(child, n_bound + n_new, indent + 1, f"{answer}: ") for answer, child in answers]
+        stack.extend(reversed(following))
 
 
 def _statement(question: Question, names: list[str]) -> tuple[str, tuple[str, str]]:
@@ -127,14 +129,17 @@ def _region(volume: Volume) -> str:
         f"{_number(float(np.linalg.norm(axis)))} along {_vector(axis / (np.linalg.norm(axis) or 1.0))}"
         for axis in volume.axes
     ]
-    return f"near {_vector(volume.mean)}, reaching {', '.join(reaches[:-1])} and {reaches[-1]},"
+    farthest = float(np.linalg.norm(volume.axes[0]))
+    # The centre of a small volume needs more digits than usual.
+    decimals = max(2, 1 - math.floor(math.log10(farthest))) if farthest > 0.0 else 2
+    centre = _vector(volume.mean, decimals)
+    return f"near {centre}, reaching {', '.join(reaches[:-1])} and {reaches[-1]},"
 
 
 def _interval(volume: Volume) -> tuple[float, float]:
-    if isinstance(volume, Arc):
-        return volume.mean - volume.radius, volume.mean + volume.radius
-    half = volume.radius * float(np.sqrt(volume.covariance[0, 0]))
-    return float(volume.mean[0]) - half, float(volume.mean[0]) + half
+    variance = 1.0 if isinstance(volume, Arc) else float(volume.covariance[0, 0])
+    centre, half = float(np.ravel(volume.mean)[0]), volume.radius * math.sqrt(variance)
+    return centre - half, centre + half
 
 
 def _number(value: float) -> str:
@@ -142,8 +147,8 @@ def _number(value: float) -> str:
     return "0" if text in {"-0", "0"} else text
 
 
-def _vector(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
-    return f"({', '.join(_number(round(float(value), 2)) for value in values)})"
+def _vector(values: NDArray[np.float64], decimals: int = 2) -> str:
+    return f"({', '.join(_number(round(float(value), decimals)) for value in values)})"
 
 
 def _counted(count: int, noun: str, plural: str | None = None) -> str:

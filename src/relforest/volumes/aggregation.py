@@ -103,8 +103,9 @@ def has_prospects(recent: NDArray[np.float64], n_remaining: int, best: float) ->
         covariance += (i - middle) * (recent[i] - mean)
         variance += (i - middle) ** 2
     slope = covariance / variance
-    # Rounding gives a constant history a slope of about 1e-17, which must not count as progress.
-    return slope > 1e-9 and mean + slope * (middle + n_remaining) > best
+    # Rounding gives a constant history a slope of about 1e-17, and a trend that ends exactly at the best
+    # score may seem to end above it; neither must count as progress.
+    return slope > 1e-9 and mean + slope * (middle + n_remaining) > best + 1e-9
 
 
 @kernel

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from relforest.support.errors import ModelFormatError
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.options import in_range
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -46,7 +47,11 @@ class Arc:
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
         """Angular distance (radians) of each angle, (n,) or (n, 1), from the mean; (n,)."""
-        offsets = np.asarray(points, dtype=np.float64).reshape(-1) - self.mean
+        angles = np.atleast_1d(np.asarray(points, dtype=np.float64))
+        if angles.shape[1:] not in {(), (1,)}:
+            msg = f"angles must have the shape (n,) or (n, 1), got {angles.shape}"
+            raise InputError(msg)
+        offsets = angles.reshape(-1) - self.mean
         distance: NDArray[np.float64] = np.abs(offsets - 2 * math.pi * np.rint(offsets / (2 * math.pi)))
         return distance
 
@@ -73,11 +78,10 @@ class Arc:
             If a value is missing, not finite, or negative where it may not be.
         """
         try:
-            mean, radius, kappa = (float(document[key]) for key in ("mean", "radius", "kappa"))
-        except (KeyError, TypeError, ValueError) as error:
+            mean = in_range("mean", document["mean"], -np.inf, np.inf, open_low=True, open_high=True)
+            radius = in_range("radius", document["radius"], 0.0, np.inf, open_high=True)
+            kappa = in_range("kappa", document["kappa"], 0.0, np.inf, open_high=True)
+        except (KeyError, InputError) as error:
             msg = f"malformed arc: {error!r}"
             raise ModelFormatError(msg) from error
-        if not np.isfinite([mean, radius, kappa]).all() or radius < 0.0 or kappa < 0.0:
-            msg = f"malformed arc: mean {mean}, radius {radius}, kappa {kappa}"
-            raise ModelFormatError(msg)
         return cls(mean, radius, kappa)

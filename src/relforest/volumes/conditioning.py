@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.jit import kernel
 
+# Points closer than about the square root of this count as one point: determinants of smaller matrices
+# would vanish.
+_NEGLIGIBLE: Final = 1e-90
+
 
 @kernel
 def ridge(largest: float, smallest: float, max_condition: float) -> float:
     """What eq. 3.6 adds to the diagonal; -1 if the matrix vanishes and the identity must replace it."""
-    if not largest > 0.0:
+    if not largest > _NEGLIGIBLE:
         return -1.0
     if smallest > 0.0 and largest <= max_condition * smallest:
         return 0.0
@@ -50,7 +55,7 @@ def _extreme_eigenvalues_3(matrix: NDArray[np.float64]) -> tuple[float, float]:
     a, b, c = matrix[0, 0] - centre, matrix[1, 1] - centre, matrix[2, 2] - centre
     d, e, f = matrix[0, 1], matrix[0, 2], matrix[1, 2]
     spread = math.sqrt((a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f)) / 6.0)
-    if spread == 0.0:
+    if spread < _NEGLIGIBLE:
         return centre, centre
     determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
     angle = math.acos(min(1.0, max(-1.0, determinant / (2.0 * spread**3)))) / 3.0
@@ -89,14 +94,25 @@ def whiten(covariance: NDArray[np.float64], whitening: NDArray[np.float64]) -> N
         whitening[0, 1] = whitening[1, 0] = -b * scale
         whitening[1, 1] = a * scale
     elif dim == 3:
-        a, b, c = covariance[0, 0], covariance[1, 1], covariance[2, 2]
-        d, e, f = covariance[0, 1], covariance[0, 2], covariance[1, 2]
-        scale = 1.0 / (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
-        whitening[0, 0] = (b * c - f * f) * scale
-        whitening[1, 1] = (a * c - e * e) * scale
-        whitening[2, 2] = (a * b - d * d) * scale
-        whitening[0, 1] = whitening[1, 0] = (e * f - d * c) * scale
-        whitening[0, 2] = whitening[2, 0] = (d * f - b * e) * scale
-        whitening[1, 2] = whitening[2, 1] = (d * e - a * f) * scale
+        _invert_3(covariance, whitening)
     else:
         whitening[:, :] = np.linalg.inv(np.linalg.cholesky(covariance))
+
+
+@kernel
+def _invert_3(matrix: NDArray[np.float64], inverse: NDArray[np.float64]) -> None:
+    """Invert a positive definite 3 x 3 matrix by its factors L D L', which keep more digits than minors."""
+    d, e, f = matrix[0, 1], matrix[0, 2], matrix[1, 2]
+    first = matrix[0, 0]
+    low_10, low_20 = d / first, e / first
+    second = matrix[1, 1] - low_10 * d
+    rest = f - low_20 * d
+    low_21 = rest / second
+    third = matrix[2, 2] - low_20 * e - low_21 * rest
+    up_20 = low_10 * low_21 - low_20
+    inverse[0, 0] = 1.0 / first + low_10 * low_10 / second + up_20 * up_20 / third
+    inverse[1, 1] = 1.0 / second + low_21 * low_21 / third
+    inverse[2, 2] = 1.0 / third
+    inverse[0, 1] = inverse[1, 0] = -low_10 / second - up_20 * low_21 / third
+    inverse[0, 2] = inverse[2, 0] = up_20 / third
+    inverse[1, 2] = inverse[2, 1] = -low_21 / third

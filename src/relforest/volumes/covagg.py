@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, final
+from typing import TYPE_CHECKING, Final, Literal, final
 
 import numpy as np
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range
+from relforest.support.options import at_least, in_range, one_of
 from relforest.volumes.aggregation import Problem, aggregate_keys
 from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 
     from relforest.volumes.volume import Volume
 
+# Inside these bounds no product of the search overflows or vanishes, whatever the points.
+_LARGEST_VALUE: Final = 1e30
+_LARGEST_WEIGHT: Final = 1e6
+_LARGEST_CONDITION: Final = 1e7
+
 
 @final
 @dataclass(frozen=True, slots=True)
@@ -34,9 +39,9 @@ class CovAggSettings:
     window : int
         A, the number of aggregation steps over which progress is judged.
     prior_weight : float
-        w of eq. 3.5.
+        w of eq. 3.5, at most 1e6.
     max_condition : float
-        c of eq. 3.6.
+        c of eq. 3.6, at most 1e7: beyond, rounding would decide who is inside.
     restarts : int
         N, the number of positive bags to start from.
     sampled : int
@@ -56,8 +61,8 @@ class CovAggSettings:
 
     def __post_init__(self) -> None:
         at_least("window", self.window, 2)
-        in_range("prior_weight", self.prior_weight, 0.0, np.inf, open_low=True, open_high=True)
-        in_range("max_condition", self.max_condition, 1.0, np.inf, open_low=True, open_high=True)
+        in_range("prior_weight", self.prior_weight, 0.0, _LARGEST_WEIGHT, open_low=True)
+        in_range("max_condition", self.max_condition, 1.0, _LARGEST_CONDITION, open_low=True)
         at_least("restarts", self.restarts, 1)
         at_least("sampled", self.sampled, 1)
 
@@ -116,7 +121,8 @@ def aggregate(
     Raises
     ------
     InputError
-        If the shapes do not fit together, a bag is empty or a value is not finite.
+        If the shapes do not fit together, a bag is empty, a value is not finite or beyond 1e30, or
+        `space` or `objective` is unknown.
 
     Notes
     -----
@@ -128,12 +134,13 @@ def aggregate(
     ----------
     Palmer (2015), Algorithm 3.1, section 3.2, eq. 3.4-3.7; section 4.2 for the likelihood objective.
     """
-    _check(points, starts, labels)
+    circular = one_of("space", space, ("euclidean", "circle")) == "circle"
+    one_of("objective", objective, tuple(OBJECTIVES))
+    _check(points, starts, labels, circular=circular)
     n_positive = int(np.count_nonzero(labels))
     if n_positive == 0:
         return None
     in_positive = np.repeat(labels, np.diff(starts))
-    circular = space == "circle"
     prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
     problem = Problem(
         CIRCLE if circular else EUCLIDEAN,
@@ -143,24 +150,28 @@ def aggregate(
         entropy_table(len(labels)),
         (settings.window, settings.restarts, settings.sampled),
     )
-    draws = rng.random(settings.restarts * (1 + settings.sampled * n_positive))
+    most_sampled = min(settings.sampled, n_positive)
+    draws = rng.random(min(settings.restarts, n_positive) * (1 + most_sampled * n_positive))
     layout, positives = slot_major(points, starts, labels)
     models, radius, n_models = aggregate_keys(layout, positives, problem, draws)
     score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
     if score == -np.inf:
         return None
     if circular:
-        kappa = _concentration(models.means[BEST], points[in_positive], n_keys, settings.prior_weight)
+        kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
         volume: Volume = Arc(float(models.centres[BEST, 0]), radius, kappa)
     else:
         covariance = models.scatters[BEST] + prior
         condition(covariance, settings.max_condition)
-        volume = Ellipsoid(models.means[BEST].copy(), covariance, radius, n_keys, settings.prior_weight)
+        weight = float(settings.prior_weight)
+        volume = Ellipsoid(models.centres[BEST].copy(), covariance, radius, n_keys, weight)
     return Aggregation(volume, score, n_models)
 
 
-def _check(points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_]) -> None:
-    if points.ndim != 2 or len(starts) != len(labels) + 1 or len(labels) == 0:
+def _check(
+    points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_], *, circular: bool
+) -> None:
+    if points.ndim != 2 or points.shape[1] == 0 or len(starts) != len(labels) + 1 or len(labels) == 0:
         msg = (
             f"points {points.shape}, starts {starts.shape} and labels {labels.shape} do not fit together: "
             "pass (n_points, d), (n_bags + 1,) and (n_bags,)"
@@ -169,8 +180,15 @@ def _check(points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArr
     if starts[0] != 0 or starts[-1] != len(points) or (np.diff(starts) <= 0).any():
         msg = "starts must rise from 0 to the number of points, with no empty bag: drop empty bags first"
         raise InputError(msg)
-    if not np.isfinite(points).all():
-        msg = "points hold NaN or infinite values: drop those instances first"
+    if circular and points.shape[1] != 1:
+        msg = f"points on the circle are angles, one column, got {points.shape[1]} columns"
+        raise InputError(msg)
+    # The negated test also catches NaN.
+    if not (np.abs(points) <= _LARGEST_VALUE).all():
+        msg = (
+            f"points hold NaN, infinite values or values beyond {_LARGEST_VALUE:g}: "
+            "drop those instances first, or use other units"
+        )
         raise InputError(msg)
 
 

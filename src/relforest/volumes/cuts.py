@@ -35,7 +35,7 @@ _NEGATIVES: Final = 2**32 - 1
 def new_buckets(n_bags: int) -> Buckets:
     """Work space for `n_bags` bags."""
     n_buckets = 32
-    while 6 * n_buckets < n_bags:
+    while 10 * n_buckets < n_bags:
         n_buckets *= 2
     return Buckets(
         np.empty(n_buckets, dtype=np.int64),
@@ -104,9 +104,7 @@ def best_cut(
 
 
 @kernel
-def _fill(
-    squared: NDArray[np.float64], weights: NDArray[np.int64], scale: float, buckets: Buckets
-) -> int:
+def _fill(squared: NDArray[np.float64], weights: NDArray[np.int64], scale: float, buckets: Buckets) -> int:
     """Put every bag into a bucket; number of positive bags."""
     n_buckets = len(buckets.counts)
     whole = float(n_buckets)

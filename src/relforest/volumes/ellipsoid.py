@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import reprlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from relforest.support.errors import ModelFormatError
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.options import at_least, in_range
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -73,7 +75,11 @@ class Ellipsoid:
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
         """Mahalanobis distance of each point (n, d) from the mean (eq. 3.2); (n,)."""
-        offsets = np.atleast_2d(np.asarray(points, dtype=np.float64)) - self.mean
+        rows = np.atleast_2d(np.asarray(points, dtype=np.float64))
+        if rows.shape[1:] != (self.dim,):
+            msg = f"points must have the shape (n, {self.dim}), got {rows.shape}"
+            raise InputError(msg)
+        offsets = rows - self.mean
         squared = np.einsum("ni,ij,nj->n", offsets, self.precision, offsets)
         distance: NDArray[np.float64] = np.sqrt(np.maximum(squared, 0.0))
         return distance
@@ -108,24 +114,34 @@ class Ellipsoid:
             If a value is missing, not finite, of the wrong shape, or no covariance.
         """
         try:
-            mean = np.array(document["mean"], dtype=np.float64)
-            covariance = np.array(document["covariance"], dtype=np.float64)
-            radius, n_keys = float(document["radius"]), int(document["n_keys"])
-            prior_weight = float(document["prior_weight"])
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            mean, covariance = (_numbers(document[key]) for key in ("mean", "covariance"))
+            radius = in_range("radius", document["radius"], 0.0, np.inf, open_high=True)
+            n_keys = at_least("n_keys", document["n_keys"], 0)
+            in_range("n_keys", n_keys, 0.0, np.inf, open_high=True)
+            prior_weight = in_range("prior_weight", document["prior_weight"], 0.0, np.inf, open_high=True)
+        except (KeyError, ValueError) as error:
             msg = f"malformed ellipsoid: {error!r}"
             raise ModelFormatError(msg) from error
-        scalars = np.array([radius, n_keys, prior_weight])
         if mean.ndim != 1 or covariance.shape != (len(mean), len(mean)) or len(mean) == 0:
             msg = f"malformed ellipsoid: mean {mean.shape} and covariance {covariance.shape} do not match"
             raise ModelFormatError(msg)
-        if not all(np.isfinite(part).all() for part in (mean, covariance, scalars)):
+        if not (np.isfinite(mean).all() and np.isfinite(covariance).all()):
             msg = "malformed ellipsoid: a value is not finite"
             raise ModelFormatError(msg)
-        if not (scalars >= 0).all() or not np.allclose(covariance, covariance.T):
-            msg = "malformed ellipsoid: negative radius, count or weight, or an asymmetric covariance"
+        if not np.allclose(covariance, covariance.T, rtol=0.0, atol=1e-9 * np.abs(covariance).max()):
+            msg = "malformed ellipsoid: the covariance is not symmetric"
             raise ModelFormatError(msg)
-        if np.linalg.eigvalsh(covariance)[0] <= 0.0:
+        eigenvalues = np.linalg.eigvalsh(covariance)
+        # Below these bounds the inverse overflows or has no correct digit.
+        if not eigenvalues[0] > max(1e-300, 1e-15 * eigenvalues[-1]):
             msg = "malformed ellipsoid: the covariance is not positive definite"
             raise ModelFormatError(msg)
         return cls(mean, covariance, radius, n_keys, prior_weight)
+
+
+def _numbers(values: object) -> NDArray[np.float64]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf":
+        msg = f"expected numbers, got {reprlib.repr(values)}"
+        raise InputError(msg)
+    return array.astype(np.float64)

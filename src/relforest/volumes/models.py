@@ -32,7 +32,7 @@ class Models(NamedTuple):
     """
 
     numbers: NDArray[np.float64]  # (4, 3) score, squared edge of the cut, number of key points
-    means: NDArray[np.float64]  # (4, d) mean of the keys; on the circle (4, 2), of cosines and sines
+    sums: NDArray[np.float64]  # (4, d) sum of the keys; on the circle (4, 2), of cosines and sines
     scatters: NDArray[np.float64]  # (4, d, d) ncov of eq. 3.4
     centres: NDArray[np.float64]  # (4, d); on the circle the mean direction
     metrics: NDArray[np.float64]  # (4, d, d) see `whiten`
@@ -60,8 +60,8 @@ def copy_model(models: Models, source: int, target: int) -> None:
     # Plain loops: slice assignment checks for overlap, which costs more than these short copies.
     for i in range(models.numbers.shape[1]):
         models.numbers[target, i] = models.numbers[source, i]
-    for i in range(models.means.shape[1]):
-        models.means[target, i] = models.means[source, i]
+    for i in range(models.sums.shape[1]):
+        models.sums[target, i] = models.sums[source, i]
     for i in range(models.centres.shape[1]):
         models.centres[target, i] = models.centres[source, i]
         for j in range(models.centres.shape[1]):
@@ -91,19 +91,19 @@ def add_key(
     prior, max_condition = regularisation
     dim = len(point)
     source = max(base, 0)
-    # With n = 1 both factors drop whatever `source` holds.
-    shrink, old = (n - 1.0) / n, 0.0 if base < 0 else 1.0
+    # Without a base, both factors drop whatever `source` holds.
+    growth, kept = (n - 1.0) / n, 0.0 if base < 0 else 1.0
     covariance = models.metrics[TRIAL]
     for i in range(dim):
-        offset = point[i] - models.means[source, i]
+        offset = point[i] - models.centres[source, i]
         for j in range(dim):
-            product = offset * (point[j] - models.means[source, j])
-            models.scatters[TRIAL, i, j] = old * models.scatters[source, i, j] + shrink * product
+            product = offset * (point[j] - models.centres[source, j])
+            models.scatters[TRIAL, i, j] = kept * models.scatters[source, i, j] + growth * product
             covariance[i, j] = models.scatters[TRIAL, i, j] + prior[i, j]
     for i in range(dim):
-        mean = point[i] if base < 0 else models.means[base, i] + (point[i] - models.means[base, i]) / n
-        models.means[TRIAL, i] = mean
-        models.centres[TRIAL, i] = mean
+        # The mean comes from the sum, since a running mean would part points at equal distances.
+        models.sums[TRIAL, i] = kept * models.sums[source, i] + point[i]
+        models.centres[TRIAL, i] = models.sums[TRIAL, i] / n
     condition(covariance, max_condition)
     whiten(covariance, covariance)
     return True
@@ -113,9 +113,9 @@ def add_key(
 def _add_angle(models: Models, base: int, angle: float, n: float) -> bool:
     cosine, sine = math.cos(angle), math.sin(angle)
     if base >= 0:
-        cosine = models.means[base, 0] + (cosine - models.means[base, 0]) / n
-        sine = models.means[base, 1] + (sine - models.means[base, 1]) / n
-    models.means[TRIAL, 0] = cosine
-    models.means[TRIAL, 1] = sine
+        cosine += models.sums[base, 0]
+        sine += models.sums[base, 1]
+    models.sums[TRIAL, 0] = cosine
+    models.sums[TRIAL, 1] = sine
     models.centres[TRIAL, 0] = math.atan2(sine, cosine)
-    return math.hypot(cosine, sine) >= 1e-12
+    return math.hypot(cosine, sine) >= 1e-12 * n

@@ -41,8 +41,8 @@ class Rate:
     @property
     def interval(self) -> tuple[float, float]:
         """The central 95 % of the rates that a test of level `ALPHA` would show on so many sets."""
-        low, high = stats.binom.ppf((0.025, 0.975), self.n_sets, ALPHA) / self.n_sets
-        return float(low), float(high)
+        low, high = (float(stats.binom.ppf(share, self.n_sets, ALPHA)) for share in (0.025, 0.975))
+        return low / self.n_sets, high / self.n_sets
 
 
 def rates(table: Table) -> Iterator[Rate]:

@@ -25,7 +25,7 @@ def run(setting: CalibrationSetting, place: Place) -> list[Row]:
 
     References
     ----------
-    Palmer (2015), section 4.2 (the likelihood ratio test); the permutation test is an addition of this library.
+    Palmer (2015), section 4.2 (the likelihood ratio test); the permutation test is our addition.
     """
     rows: list[Row] = []
     for number in range(setting.n_sets):

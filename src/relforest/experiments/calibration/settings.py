@@ -64,7 +64,9 @@ _CELLS: Final[tuple[tuple[Test, int, int], ...]] = (
 )
 
 SETTINGS: Final = tuple(
-    CalibrationSetting(test, fewest, most, block) for test, fewest, most in _CELLS for block in range(N_BLOCKS)
+    CalibrationSetting(test, fewest, most, block)
+    for test, fewest, most in _CELLS
+    for block in range(N_BLOCKS)
 )
 SMOKE: Final = tuple(
     CalibrationSetting(test, 3, 5, 0, n_sets=2, n_scenes=16) for test in (LIKELIHOOD_RATIO, PERMUTATION)

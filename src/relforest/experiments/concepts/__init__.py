@@ -1,7 +1,7 @@
-"""Do SMRF trees recover relational concepts that are known exactly, and carry them over to larger scenes?
+"""Whether SMRF trees recover known relational concepts, and carry them over to larger scenes.
 
-`settings` holds the concepts and thresholds, `run` learns a tree and tests it, `analysis` turns the table into
-findings and a figure. The question, the command and the result seen stand in ``README.md``.
+`settings` holds the concepts and thresholds, `run` learns a tree and tests it, `analysis` turns the table
+into findings and a figure. The question, the command and the result seen stand in ``README.md``.
 """
 
 from __future__ import annotations

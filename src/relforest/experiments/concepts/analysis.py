@@ -42,7 +42,7 @@ def summarize(table: Table) -> Findings:
             claims.append(Claim(name, float(pss.mean()), low=threshold))
     header = ("concept", "test scenes", "trees", "mean PSS", "lowest", "threshold", "mean leaves")
     text = (
-        "Peirce skill score of SMRF trees on test scenes of the same kind as the training scenes, and of others\n\n"
+        "Peirce skill score of SMRF trees on test scenes like the training scenes, and on others\n\n"
         + aligned(header, rows)
     )
     return Findings(text + "\n\n" + _trees(table), tuple(claims))
@@ -69,4 +69,6 @@ def figures(table: Table) -> Mapping[str, Figure]:
 
 def _trees(table: Table) -> str:
     first = [table.where(concept=concept) for concept in table.distinct("concept")]
-    return "\n\n".join(f"Learned for {TITLES[str(own.cells('concept')[0])]}:\n{own.cells('tree')[0]}" for own in first)
+    return "\n\n".join(
+        f"Learned for {TITLES[str(own.cells('concept')[0])]}:\n{own.cells('tree')[0]}" for own in first
+    )

@@ -56,7 +56,9 @@ OPTIMUM: Final = 8.69
 
 ALPHA: Final = 0.05
 
-THRESHOLDS: Final = MappingProxyType({("500-densities", 1): 8.5, ("500-densities", 3): 8.6, ("10-densities", 5): 8.3})
+THRESHOLDS: Final = MappingProxyType(
+    {("500-densities", 1): 8.5, ("500-densities", 3): 8.6, ("10-densities", 5): 8.3}
+)
 """Mean test reward to be reached, by condition and iteration."""
 
 SOURCE_REWARD_P: Final = 0.5

@@ -1,7 +1,8 @@
-"""Does covariant aggregation reach the scores of Palmer (2015), Table 3.2, on the synthetic bags?
+"""Whether covariant aggregation reaches the scores of Palmer (2015), Table 3.2, on the synthetic bags.
 
-`settings` holds the data sets and the scores to be reached, `run` turns a data set into rows, `analysis` turns
-the table into findings and a figure. The question, the command and the result seen stand in ``README.md``.
+`settings` holds the data sets and the scores to be reached, `run` turns a data set into rows, `analysis`
+turns the table into findings and a figure. The question, the command and the result seen stand in
+``README.md``.
 """
 
 from __future__ import annotations

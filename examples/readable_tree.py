@@ -1,0 +1,28 @@
+"""Learn a tree from a data frame, read it, and ask who is behind a prediction."""
+
+from __future__ import annotations
+
+from make_passes import passes
+
+import relforest as rf
+
+ATTRIBUTES = {"location": ["x", "y"]}
+
+
+def scenes_and_labels(n_passes: int, seed: int) -> tuple[rf.Scenes, list[bool]]:
+    """Scenes of a passes table and whether each pass was intercepted, in the scenes' order."""
+    table = passes(n_passes, seed)
+    scenes = rf.Scenes.from_frame(
+        table, scene="pass", object="player", attributes=ATTRIBUTES, arguments=["passer", "receiver"]
+    )
+    completed = dict(zip(table["pass"].to_pylist(), table["completed"].to_pylist(), strict=True))
+    return scenes, [not completed[number] for number in scenes.scene_ids.tolist()]
+
+
+scenes, intercepted = scenes_and_labels(600, seed=0)
+model = rf.SMRFTreeClassifier(random_state=0).fit(scenes, intercepted)
+print(model.tree_)
+
+unseen, truth = scenes_and_labels(600, seed=1)
+print("Peirce skill score on unseen passes:", round(rf.metrics.peirce_skill_score(truth, model.predict(unseen)), 2))
+print(model.explain(unseen.take([0]))[0])

@@ -1,0 +1,85 @@
+"""``relforest experiment``: the studies of the library."""
+
+# Heavy imports wait until the command runs, so that --help answers at once.
+# ruff: noqa: PLC0415
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, final
+
+from rich.console import Console
+from tyro.conf import Positional, arg
+
+from relforest.cli.progress import note
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ExperimentOptions:
+    """Run one of the library's studies, or list them if none is named.
+
+    A study computes its settings, saves the rows of each as soon as it is done, and states its findings next
+    to the bounds that they must keep. Started again, it goes on where it was interrupted. The exit code is 1
+    if a bound of a whole study is missed.
+
+    For example:
+      relforest experiment
+      relforest experiment covagg --smoke
+      relforest experiment concepts --jobs 2 --out runs/concepts
+
+    Parameters
+    ----------
+    name
+        The study.
+    smoke
+        Run a small version, done in seconds; its numbers mean nothing.
+    seed
+        The same seed gives the same rows.
+    jobs
+        Processes; -1 = all cores. The result does not depend on it.
+    out
+        Folder for the results.
+    """
+
+    name: Annotated[Positional[str], arg(metavar="[NAME]", help_behavior_hint="(default: list them)")] = ""
+    smoke: bool = False
+    seed: int = 0
+    jobs: int = 1
+    out: Annotated[
+        Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/NAME or runs/NAME-smoke)")
+    ] = None
+
+
+def experiment(options: ExperimentOptions) -> int:
+    """Run a study as the options say; the exit code is 1 if a bound of a whole study is missed, else 0."""
+    from relforest.experiments.registry import STUDIES
+    from relforest.experiments.runner import run_study
+    from relforest.support.options import one_of
+
+    if not options.name:
+        width = max(map(len, STUDIES))
+        for name, listed in STUDIES.items():
+            print(f"{name:<{width}}  {listed.question}")
+        return 0
+    study = STUDIES[one_of("the study", options.name, tuple(STUDIES))]
+    default = f"{options.name}-smoke" if options.smoke else options.name
+    out = Path("runs") / default if options.out is None else options.out
+    console = Console(stderr=True)
+    note(f"{study.name}: {study.question} Results go to {out}.", console)
+    with console.status(study.name):
+        findings = run_study(
+            study,
+            out,
+            seed=options.seed,
+            n_jobs=options.jobs,
+            smoke=options.smoke,
+            on_progress=lambda line: note(line, console),
+        )
+    print(findings)
+    if options.smoke or findings.are_met:
+        return 0
+    missed = sum(not claim.is_met for claim in findings.claims)
+    note(f"relforest: {missed} of {len(findings.claims)} claims missed")
+    return 1

@@ -1,0 +1,150 @@
+"""``relforest fit``: a tree from a table."""
+
+# Heavy imports wait until the command runs, so that --help answers at once.
+# ruff: noqa: PLC0415
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, final
+
+from tyro.conf import Positional, UseAppendAction, arg
+
+from relforest.cli.outputs import check_free
+from relforest.cli.progress import note, working
+from relforest.support.errors import InputError
+
+if TYPE_CHECKING:
+    from relforest.cli.columns import Columns, SceneTable
+    from relforest.trees import SMRFTreeClassifier
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FitOptions:
+    r"""Learn a tree from a table of labelled scenes, print it in words, and write it to a model file.
+
+    The table is long: one row per object, with columns that say which scene and which object it is. The label
+    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings, of which the one
+    sorted last is the positive class. Empty cells are undefined attributes.
+
+    For example:
+      relforest fit passes.parquet --scene pass --object player \
+          --attribute location=x,y --attribute orientation=theta:angle \
+          --arguments passer,receiver --label completed --out tree.json
+      relforest fit scenes.parquet --label completed --out tree.json
+
+    The second form is for files that Scenes.to_parquet wrote and a label column was added to.
+
+    Parameters
+    ----------
+    table
+        Parquet or CSV file.
+    label
+        Column of the labels.
+    out
+        Model file to write (JSON). Besides the tree it holds the names of the columns and, for the drawings
+        of relforest show, up to 150 training points of either class for each question.
+    scene
+        Column of scene ids.
+    object
+        Column of object ids. Without it, objects are numbered within their scene.
+    attribute
+        An attribute of the objects and its columns, one per component. ":angle" at the end is for angles in
+        radians; "orientation" is one anyway.
+    arguments
+        Columns that hold the id of the object bound to an argument of the action, the same in all rows of a
+        scene.
+    test
+        How a question must prove itself. The likelihood ratio test is fast, but accepts questions on noise
+        more often than alpha; the permutation test keeps its level and takes longer.
+    alpha
+        Significance level.
+    attempts
+        Tries for each possible question.
+    permutations
+        Shuffles of the permutation test.
+    seed
+        The same seed gives the same tree.
+    jobs
+        Threads for the predictions; the result does not depend on it.
+    force
+        Replace the model file if it exists.
+    """
+
+    table: Annotated[Positional[Path], arg(metavar="TABLE")]
+    label: Annotated[str, arg(metavar="COLUMN")]
+    out: Annotated[Path, arg(metavar="FILE")]
+    scene: Annotated[str | None, arg(metavar="COLUMN", help_behavior_hint="")] = None
+    object: Annotated[str | None, arg(metavar="COLUMN", help_behavior_hint="")] = None
+    attribute: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN[,COLUMN...]")] = ()
+    arguments: Annotated[str, arg(metavar="COLUMN[,COLUMN...]", help_behavior_hint="")] = ""
+    test: Literal["likelihood-ratio", "permutation"] = "likelihood-ratio"
+    alpha: float = 0.05
+    attempts: int = 1
+    permutations: int = 99
+    seed: int = 0
+    jobs: int = 1
+    force: bool = False
+
+
+def fit(options: FitOptions) -> int:
+    """Learn a tree as the options say; the exit code is 0."""
+    from relforest.cli.columns import read_labels, read_scenes
+    from relforest.cli.model_file import Model, write_model
+    from relforest.metrics import peirce_skill_score
+    from relforest.reports import question_points
+    from relforest.trees import SMRFTreeClassifier
+
+    check_free(options.out, force=options.force)
+    source = read_scenes(options.table, _columns(options))
+    labels = read_labels(source, options.label)
+    classifier = SMRFTreeClassifier(
+        test=options.test,
+        alpha=options.alpha,
+        attempts=options.attempts,
+        permutations=options.permutations,
+        random_state=options.seed,
+        n_jobs=options.jobs,
+    )
+    with working(f"learning from {len(source.scenes)} scenes"):
+        classifier.fit(source.scenes, labels)
+    classes = classifier.classes_.tolist()
+    positive = labels == classifier.classes_[1]
+    points = question_points(classifier.tree_, source.scenes, positive)
+    model = Model(classifier.tree_, options.label, (classes[0], classes[1]), source.columns, points)
+    score = peirce_skill_score(labels, classifier.predict(source.scenes), pos_label=classifier.classes_[1])
+    write_model(options.out, model)
+    print(classifier.tree_)
+    print()
+    print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
+    print(f"Peirce skill score on the training scenes: {score:.3f}")
+    _comment(options, source, classifier)
+    return 0
+
+
+def _columns(options: FitOptions) -> Columns | None:
+    from relforest.cli.columns import Columns, parse_attributes, parse_names
+
+    attributes, arguments = parse_attributes(options.attribute), parse_names(options.arguments)
+    if options.scene is None and options.object is None and not attributes and not arguments:
+        return None
+    if options.scene is None or not attributes:
+        missing = "--scene COLUMN" if options.scene is None else "--attribute NAME=COLUMN,..."
+        raise InputError(f"{missing} is missing: it is needed as soon as any column is named")
+    return Columns(options.scene, options.object, attributes, arguments)
+
+
+def _comment(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
+    if classifier.tree_.is_stub:
+        note(
+            f"no question proved itself at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so the "
+            "tree makes no distinction"
+        )
+    if classifier.n_left_out_:
+        note(
+            f"{classifier.n_left_out_} possible questions were left out, because they would see more than "
+            f"{classifier.max_points} points each: fewer objects or scenes would allow them"
+        )
+    note(f"wrote {options.out}")

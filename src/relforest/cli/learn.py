@@ -1,0 +1,130 @@
+"""``relforest learn``: a policy from experience."""
+
+# Heavy imports wait until the command runs, so that --help answers at once.
+# ruff: noqa: PLC0415
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, final
+
+from rich.console import Console
+from tyro.conf import Positional, arg
+
+from relforest.cli.progress import iteration_bar, note
+
+if TYPE_CHECKING:
+    from relforest.experiments.run_config import RunConfig
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LearnOptions:
+    """Learn a policy for a world with SMRF-RPI.
+
+    Every iteration gathers episodes of experience, learns trees that explain the Bellman error, and a policy
+    with the trees as features. All of it is written to a run folder: metrics.jsonl (a line per iteration, the
+    first one before learning), trees/*.json, policy.json, reward.png, and for the corridor q-function.png.
+    The same command started again takes an interrupted run up where it stopped, with the same result; more
+    iterations extend a finished one.
+
+    For example:
+      relforest learn corridor
+      relforest learn corridor --episodes 500 --iterations 5 --runs 30 --jobs 2 --seed 0 --out runs/corridor
+
+    Parameters
+    ----------
+    task
+        What to learn: corridor.
+    episodes
+        Episodes of training experience per iteration.
+    iterations
+        Iterations of each run.
+    runs
+        Independent runs, each in a folder of its own within the run folder if there are several.
+    test_episodes
+        Episodes that test the policy after each iteration.
+    features
+        What trees contribute: one bit per leaf, with or without the densities of the questions above it, or
+        one probability per tree.
+    seed
+        The same seed gives the same result.
+    jobs
+        Processes for several runs, threads for a single one; -1 = all cores. The result does not depend on
+        it.
+    out
+        Run folder.
+    """
+
+    task: Annotated[Positional[str], arg(metavar="TASK")]
+    episodes: int = 500
+    iterations: int = 5
+    runs: int = 1
+    test_episodes: Annotated[
+        int | None, arg(metavar="INT", help_behavior_hint="(default: as many as --episodes)")
+    ] = None
+    features: Literal["densities+bits", "bits", "probability"] = "densities+bits"
+    seed: int = 0
+    jobs: int = 1
+    out: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/TASK)")] = None
+
+
+def learn(options: LearnOptions) -> int:
+    """Learn as the options say; the exit code is 0."""
+    from relforest.experiments.run_config import RunConfig
+    from relforest.experiments.run_metrics import iterations_of
+    from relforest.experiments.runs import learn_runs
+
+    config = RunConfig(
+        options.task,
+        episodes=options.episodes,
+        iterations=options.iterations,
+        runs=options.runs,
+        seed=options.seed,
+        test_episodes=options.test_episodes,
+        features=options.features,
+    )
+    out = Path("runs") / options.task if options.out is None else options.out
+    console = Console(stderr=True)
+    several = f"{options.runs} runs of " if options.runs > 1 else ""
+    note(f"learning {options.task} in {out}: {several}{options.iterations} iterations", console)
+    with iteration_bar(console) as bar:
+        # Every run has a row more than iterations: the one measured before learning.
+        rows = options.runs * (options.iterations + 1)
+        there = sum(iterations_of(folder) + 1 for folder in config.folders(out))
+        task = bar.add_task("iterations", total=rows, completed=there)
+
+        def tell(run: int, row: dict[str, Any], seconds: dict[str, float]) -> None:
+            note(_iteration_line(config, run, row, seconds), console)
+            bar.advance(task)
+
+        folders = learn_runs(config, out, n_jobs=options.jobs, on_iteration=tell)
+    print(_result(config, folders))
+    print()
+    print(f"run folder: {out}")
+    for picture in ("q-function.png", "reward.png"):
+        if (out / picture).exists():
+            print(f"picture: {out / picture}")
+    return 0
+
+
+def _iteration_line(config: RunConfig, run: int, row: dict[str, Any], seconds: dict[str, float]) -> str:
+    name = f"run {run}, " if config.runs > 1 else ""
+    time = f", {sum(seconds.values()):.1f} s" if seconds else ""
+    counts = f"{row['trees']} trees, {row['leaves']} leaves"
+    return f"{name}iteration {row['iteration']}: test reward {row['test_reward']:.3f}, {counts}{time}"
+
+
+def _result(config: RunConfig, folders: list[Path]) -> str:
+    """Tell what was learned: everything of a single run, means and the first run's trees of several."""
+    from relforest.experiments.run_metrics import metrics_of
+    from relforest.reports import run_report
+    from relforest.reports.run_report import averages_table
+
+    if config.runs == 1:
+        return run_report(folders[0])
+    averages = averages_table([metrics_of(folder) for folder in folders])
+    return (
+        f"mean (standard deviation) of {config.runs} runs\n{averages}\n\nfirst run\n{run_report(folders[0])}"
+    )

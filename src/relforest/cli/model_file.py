@@ -1,0 +1,179 @@
+"""Model files: a tree together with what is needed to apply it to a table.
+
+A model file is a JSON document of the format ``relforest-model``: the label and its two classes, the columns
+that scenes were read from, the tree as `Tree.to_dict` writes it, and for each question a sample of the
+training points, for pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final, final
+
+import numpy as np
+
+from relforest.cli.columns import Columns
+from relforest.reports import QuestionPoints
+from relforest.support.errors import ModelFormatError, RelforestError
+from relforest.support.files import read_json, write_json
+from relforest.trees import Question, Tree
+
+FORMAT: Final = "relforest-model"
+VERSION: Final = 1
+MOST_POINTS: Final = 150
+"""Most points of either class that are stored for a question."""
+
+_TREE_FORMAT: Final = "relforest-tree"
+
+Label = bool | int | str
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """A tree and its surroundings.
+
+    Parameters
+    ----------
+    tree : Tree
+    label : str
+        What it predicts: the column that the labels stood in; empty if that is not known.
+    classes : tuple of two labels
+        The second one is the positive class.
+    columns : Columns or None
+        Where scenes stand in a table; None if that is not known.
+    points : mapping of int to QuestionPoints
+        Training points of questions, by node index.
+    """
+
+    tree: Tree
+    label: str
+    classes: tuple[Label, Label]
+    columns: Columns | None
+    points: Mapping[int, QuestionPoints] = field(default_factory=dict)
+
+    @property
+    def positive(self) -> str:
+        """The positive class in words, such as ``completed = True``."""
+        return f"{self.label} = {self.classes[1]}" if self.label else "the positive class"
+
+
+def write_model(path: Path, model: Model) -> None:
+    """Write a model file, whole or not at all."""
+    columns = model.columns
+    write_json(
+        path,
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "label": model.label,
+            "classes": list(model.classes),
+            "columns": None
+            if columns is None
+            else {
+                "scene": columns.scene,
+                "object": columns.object,
+                "attributes": {attribute.name: list(names) for attribute, names in columns.attributes},
+                "arguments": list(columns.arguments),
+            },
+            "tree": model.tree.to_dict(),
+            "points": [_points_to_dict(node, points) for node, points in sorted(model.points.items())],
+        },
+    )
+
+
+def read_model(path: Path) -> Model:
+    """Read a model file, or the file of a bare tree, as a run folder has it.
+
+    Raises
+    ------
+    ModelFormatError
+        If the file is neither, or is damaged; nothing in it is executed.
+    """
+    try:
+        document = read_json(path, format=FORMAT, version=VERSION)
+    except ModelFormatError as error:
+        try:
+            bare = read_json(path, format=_TREE_FORMAT, version=1)
+        except ModelFormatError:
+            raise error from None
+        return Model(_tree(path, bare), "", (False, True), None)
+    tree = _tree(path, document.get("tree"))
+    try:
+        return Model(
+            tree,
+            _text(document["label"]),
+            _classes(document["classes"]),
+            _columns(document["columns"], tree),
+            dict(_points(entry, tree) for entry in document["points"]),
+        )
+    except (RelforestError, KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        raise ModelFormatError(
+            f"{path} is damaged ({error!r:.200}): restore it, or learn the tree again with relforest fit"
+        ) from error
+
+
+def _tree(path: Path, document: object) -> Tree:
+    try:
+        return Tree.from_dict(document)
+    except RelforestError as error:
+        raise ModelFormatError(f"{path} holds no valid tree: {error}") from error
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"expected a string, got {value!r:.50}")
+    return value
+
+
+def _texts(values: object) -> tuple[str, ...]:
+    if not isinstance(values, list):
+        raise TypeError(f"expected a list of strings, got {values!r:.50}")
+    return tuple(map(_text, values))
+
+
+def _classes(value: object) -> tuple[Label, Label]:
+    if not isinstance(value, list) or not all(isinstance(entry, (bool, int, str)) for entry in value):
+        raise TypeError(f"expected a list of two labels, got {value!r:.50}")
+    first, second = value
+    return first, second
+
+
+def _columns(document: Any, tree: Tree) -> Columns | None:  # noqa: ANN401 - not checked yet
+    if document is None:
+        return None
+    attributes = {name: _texts(names) for name, names in document["attributes"].items()}
+    if list(attributes) != list(tree.schema.names):
+        raise ValueError("the columns are not those of the tree's attributes")
+    return Columns(
+        _text(document["scene"]),
+        None if document["object"] is None else _text(document["object"]),
+        tuple((tree.schema[name], names) for name, names in attributes.items()),
+        _texts(document["arguments"]),
+    )
+
+
+def _points_to_dict(node: int, points: QuestionPoints) -> dict[str, Any]:
+    sample = points.thinned(MOST_POINTS)
+    # Five digits are far more than a picture can show.
+    rounded = [[float(f"{value:.5g}") for value in point] for point in sample.points.tolist()]
+    return {
+        "node": node,
+        "positive": [p for p, is_positive in zip(rounded, sample.positive, strict=True) if is_positive],
+        "negative": [p for p, is_positive in zip(rounded, sample.positive, strict=True) if not is_positive],
+    }
+
+
+def _points(document: Any, tree: Tree) -> tuple[int, QuestionPoints]:  # noqa: ANN401 - not checked yet
+    index = document["node"]
+    node = tree.nodes[index] if isinstance(index, int) and 0 <= index < len(tree.nodes) else None
+    if not isinstance(node, Question):
+        raise TypeError(f"node {index!r:.50} is no question")
+    positive, negative = (
+        np.array(document[key], dtype=np.float64).reshape(-1, node.mapping.dim)
+        for key in ("positive", "negative")
+    )
+    labels = np.repeat([True, False], [len(positive), len(negative)])
+    return index, QuestionPoints(np.concatenate([positive, negative]), labels)

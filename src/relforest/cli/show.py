@@ -1,0 +1,111 @@
+"""``relforest show``: a tree in words and as a drawing."""
+
+# Heavy imports wait until the command runs, so that --help answers at once.
+# ruff: noqa: PLC0415
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, final
+
+from tyro.conf import Positional, arg
+
+from relforest.cli.outputs import check_free
+from relforest.cli.progress import note
+from relforest.support.errors import InputError
+
+if TYPE_CHECKING:
+    from relforest.cli.columns import Columns
+    from relforest.scenes import Scenes
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ShowOptions:
+    """Show a learned tree in words and, with --out, as a drawing.
+
+    The drawing has the questions with their decision volumes: mean, scaled eigenvectors and, in two
+    dimensions, the ellipse over the training points. With a scene, the way of that scene through the tree is
+    told (and marked in the drawing): which answers it got, which leaf decided, and which objects led there.
+
+    For example:
+      relforest show tree.json
+      relforest show tree.json --out tree.svg
+      relforest show tree.json --scene 17 of passes.parquet --out scene-17.png
+      relforest show runs/corridor/trees/0001-left-1.json
+
+    Parameters
+    ----------
+    model
+        Model file written by relforest fit, or a tree from a run folder.
+    scene
+        Id of a scene, and the Parquet or CSV file that holds it: "--scene K of FILE", or "--scene K --of
+        FILE".
+    of
+        The file, if it is not named after the scene.
+    out
+        Picture to write: .svg or .png.
+    force
+        Replace the picture if it exists.
+    """
+
+    model: Annotated[Positional[Path], arg(metavar="MODEL")]
+    scene: Annotated[tuple[str, ...], arg(metavar="K [of FILE]", help_behavior_hint="")] = ()
+    of: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="")] = None
+    out: Annotated[Path | None, arg(metavar="PICTURE", help_behavior_hint="(default: no picture)")] = None
+    force: bool = False
+
+
+def show(options: ShowOptions) -> int:
+    """Show a tree as the options say; the exit code is 0."""
+    from relforest.cli.model_file import read_model
+    from relforest.reports import save_figure, tree_figure
+    from relforest.reports.figure_files import check_suffix
+    from relforest.reports.tree_path import path_in_words, tree_path
+
+    chosen = _chosen_scene(options)
+    if options.out is not None:
+        check_suffix(options.out)
+        check_free(options.out, force=options.force)
+    model = read_model(options.model)
+    scene = None if chosen is None else _find_scene(*chosen, model.columns)
+    print(model.tree)
+    if scene is not None:
+        print()
+        print(path_in_words(model.tree, tree_path(model.tree, scene)))
+    if options.out is not None:
+        title = f"Probability of {model.positive}"
+        figure = tree_figure(model.tree, points=model.points, highlight=scene, title=title)
+        save_figure(figure, options.out)
+        note(f"wrote {options.out}")
+    return 0
+
+
+def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
+    """Return the id and the file of the scene to follow."""
+    match options.scene:
+        case () if options.of is None:
+            return None
+        case (key,) if options.of is not None:
+            return key, options.of
+        case (key, "of", file) if options.of is None:
+            return key, Path(file)
+        case ():
+            raise InputError("--of names the file of a scene: name the scene too, with --scene K")
+        case (key,):
+            raise InputError(f"the file of scene {key!r} is missing: write --scene {key} of FILE")
+        case given:
+            raise InputError(f"--scene {' '.join(given)} is not understood: write --scene K of FILE")
+
+
+def _find_scene(key: str, path: Path, columns: Columns | None) -> Scenes:
+    from relforest.cli.columns import listed, read_scenes
+    from relforest.scenes.ids import plain
+
+    scenes = read_scenes(path, columns).scenes
+    ids = [plain(scene_id) for scene_id in scenes.scene_ids]
+    for position, scene_id in enumerate(ids):
+        if str(scene_id) == key:
+            return scenes.take([position])
+    raise InputError(f"{path} has no scene {key!r}: it has {listed(ids)}")

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+from relforest.experiments.concepts.analysis import cells, figures, summarize
+from relforest.experiments.concepts.run import SCENES
+from relforest.experiments.concepts.settings import THRESHOLDS, TITLES
+from relforest.experiments.table import Row, Table
+
+
+def row(concept: str, test: str, pss: float, replicate: int = 0) -> Row:
+    return {
+        "concept": concept,
+        "replicate": replicate,
+        "test": test,
+        "pss": pss,
+        "leaves": 3,
+        "tree": f"tree {replicate} of {concept}",
+    }
+
+
+TABLE = Table.of(
+    [
+        row("between", "same", 0.95),
+        row("between", "20 more objects", 0.7),
+        row("between", "same", 0.87, replicate=1),
+        row("between", "20 more objects", 0.6, replicate=1),
+        row("yellow", "same", 0.8),
+    ]
+)
+
+
+def test_cells_are_concepts_by_kinds_of_test_scenes() -> None:
+    assert [(concept, test, len(own)) for concept, test, own in cells(TABLE)] == [
+        ("between", "same", 2),
+        ("between", "20 more objects", 2),
+        ("yellow", "same", 1),
+    ]
+
+
+def test_means_are_compared_with_the_thresholds_that_exist() -> None:
+    claims = summarize(TABLE).claims
+
+    # Between: (.95 + .87) / 2 = .91 >= .9; yellow: .8 < .85; no threshold for trees that meet a crowd unprepared.
+    assert [(claim.measured, claim.low, claim.is_met) for claim in claims] == [(0.91, 0.9, True), (0.8, 0.85, False)]
+
+
+def test_one_tree_of_each_concept_is_told() -> None:
+    text = summarize(TABLE).text
+
+    assert "Learned for an object between A and B:\ntree 0 of between" in text
+    assert "tree 0 of yellow" in text
+    assert "tree 1" not in text
+    assert "an object between A and B             same      2     0.910   0.870       0.90" in text
+
+
+def test_the_figure_has_a_line_per_cell() -> None:
+    (axes,) = figures(TABLE)["scores.png"].axes
+
+    assert len(axes.get_yticklabels()) == 3
+
+
+def test_every_threshold_is_about_a_test_that_is_run() -> None:
+    assert set(SCENES) == set(TITLES)
+    assert set(THRESHOLDS) <= {(concept, test) for concept, tests in SCENES.items() for test, _ in tests}

@@ -1,0 +1,32 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from relforest.experiments.concepts.run import SCENES, run
+from relforest.experiments.concepts.settings import ConceptSetting
+from relforest.experiments.study import Place
+
+SIZES = {"same": (5, 8), "15 objects": (15, 15), "20 more objects": (25, 28)}
+
+
+@pytest.mark.parametrize("concept", SCENES)
+def test_scenes_have_the_size_that_their_name_says(concept: str) -> None:
+    for test, draw in SCENES[concept]:
+        scenes, labels = draw(np.random.default_rng(0), 30)
+        fewest, most = SIZES["20 more objects" if concept == "between-crowded" else test]
+        assert scenes.counts.min() >= fewest
+        assert scenes.counts.max() <= most
+        assert labels.sum() == 15
+
+
+def test_a_tree_that_finds_the_concept_carries_over(tmp_path: Path) -> None:
+    setting = ConceptSetting("yellow", 0, 60)
+    rows = run(setting, Place(0, 3, tmp_path))
+
+    assert [row["test"] for row in rows] == ["same", "15 objects"]
+    assert all(float(str(row["pss"])) > 0.8 for row in rows)
+    assert "has color near" in str(rows[0]["tree"])
+    assert rows == run(setting, Place(0, 3, tmp_path))

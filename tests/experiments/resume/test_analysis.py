@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+from relforest.experiments.resume.analysis import figures, summarize
+from relforest.experiments.table import Row, Table
+
+
+def row(variant: str, moment: int, differing: str = "") -> Row:
+    return {
+        "variant": variant,
+        "moment": moment,
+        "fraction": 0.25,
+        "seconds": 1.5,
+        "alive": True,
+        "iterations": 2,
+        "files": 12,
+        "differing": differing,
+        "identical": not differing,
+    }
+
+
+TABLE = Table.of([row("one", 0), row("one", 1), row("two", 0), row("two", 1, "metrics.jsonl trees/0001-left-1.json")])
+
+
+def test_no_file_may_differ() -> None:
+    findings = summarize(TABLE)
+
+    assert [(claim.measured, claim.is_met) for claim in findings.claims] == [(0.0, True), (1.0, False)]
+    assert "NO: metrics.jsonl trees/0001-left-1.json" in findings.text
+    assert "0.250     1.50      yes                   2     12                    yes" in findings.text
+
+
+def test_there_is_no_figure() -> None:
+    assert figures(TABLE) == {}

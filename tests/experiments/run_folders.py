@@ -1,0 +1,28 @@
+"""Small runs of the corridor, and how their folders are compared."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from relforest.experiments.run_config import RunConfig
+
+SMALL: Final = RunConfig("corridor", episodes=4, iterations=1, test_episodes=2)
+TWO_RUNS: Final = replace(SMALL, runs=2)
+
+
+def contents(folder: Path, *, pictures: bool = True) -> dict[str, bytes]:
+    """Return every file that must be the same after any interruption, by name."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+        and path.name not in {"timings.jsonl", ".lock"}
+        and (pictures or path.suffix != ".png")
+    }
+
+
+def stamps(folder: Path) -> dict[str, int]:
+    """Return when each of these files was written last."""
+    return {name: (folder / name).stat().st_mtime_ns for name in contents(folder)}

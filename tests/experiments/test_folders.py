@@ -1,0 +1,143 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from relforest.experiments.folders import Identity, claimed, versions
+from relforest.support.errors import RunFolderError
+from relforest.support.locks import FolderLock
+
+TEMPORARY = ".run.json.0123456789abcdef.tmp"
+
+
+def identity(**content: Any) -> Identity:
+    return Identity("run.json", "some-run", {"task": "corridor", "count": 3, **content}, growing="count")
+
+
+def claim(folder: Path, wanted: Identity, *, finished: bool = False) -> None:
+    with claimed(folder, wanted, is_finished=lambda: finished):
+        pass
+
+
+def stored(folder: Path) -> Any:
+    return json.loads((folder / "run.json").read_text())
+
+
+def test_a_new_folder_gets_its_identity_and_the_versions_first(tmp_path: Path) -> None:
+    with claimed(tmp_path / "a" / "b", identity(), is_finished=lambda: False):
+        assert stored(tmp_path / "a" / "b") == {
+            "format": "some-run",
+            "version": 1,
+            "task": "corridor",
+            "count": 3,
+            "versions": versions(),
+        }
+    assert set(versions()) == {"python", "numpy", "scipy", "numba", "relforest"}
+
+
+def test_a_claimed_folder_is_locked(tmp_path: Path) -> None:
+    with claimed(tmp_path, identity(), is_finished=lambda: False), pytest.raises(RunFolderError, match="in use"):
+        claim(tmp_path, identity())
+    claim(tmp_path, identity())
+
+
+def test_the_same_work_changes_nothing(tmp_path: Path) -> None:
+    claim(tmp_path, identity())
+    before = (tmp_path / "run.json").stat()
+    claim(tmp_path, identity())
+
+    assert (tmp_path / "run.json").stat() == before
+
+
+@pytest.mark.parametrize("left", [[], [".lock"], [TEMPORARY], [".lock", TEMPORARY]])
+def test_what_an_interruption_leaves_before_the_identity_is_no_obstacle(tmp_path: Path, left: list[str]) -> None:
+    for name in left:
+        (tmp_path / name).touch()
+    claim(tmp_path, identity())
+
+    assert {path.name for path in tmp_path.iterdir()} == {"run.json", ".lock"}
+
+
+@pytest.mark.parametrize("name", ["notes.txt", ".hidden", "metrics.jsonl", "run-00"])
+def test_a_folder_with_other_things_is_refused_and_not_touched(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).mkdir()
+
+    with pytest.raises(RunFolderError, match=f"holds no run.json, .*'{name}'.*choose a new or empty folder"):
+        claim(tmp_path, identity())
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_file_is_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "out").touch()
+    with pytest.raises(RunFolderError, match="out is no folder; choose another name"):
+        claim(tmp_path / "out", identity())
+
+
+def test_other_work_is_refused_with_every_difference(tmp_path: Path) -> None:
+    claim(tmp_path, identity(seed=0, options={"alpha": 0.05}))
+    before = stored(tmp_path)
+
+    with pytest.raises(RunFolderError) as caught:
+        claim(tmp_path, identity(task="blocks", seed=1, options={"alpha": 0.1}))
+
+    message = str(caught.value)
+    assert "task ('corridor' there, 'blocks' here)" in message
+    assert "seed (0 there, 1 here)" in message
+    assert "options.alpha (0.05 there, 0.1 here)" in message
+    assert "choose another folder" in message
+    assert stored(tmp_path) == before
+
+
+def test_the_growing_count_may_rise_but_not_fall(tmp_path: Path) -> None:
+    claim(tmp_path, identity(count=3))
+    claim(tmp_path, identity(count=5))
+    assert stored(tmp_path)["count"] == 5
+
+    with pytest.raises(RunFolderError, match=r"count \(5 there, 4 here\)"):
+        claim(tmp_path, identity(count=4))
+    assert stored(tmp_path)["count"] == 5
+
+
+def test_without_a_growing_count_every_difference_is_refused(tmp_path: Path) -> None:
+    fixed = Identity("study.json", "some-study", {"count": 3})
+    claim(tmp_path, fixed)
+    claim(tmp_path, fixed)
+    with pytest.raises(RunFolderError, match=r"count \(3 there, 4 here\)"):
+        claim(tmp_path, Identity("study.json", "some-study", {"count": 4}))
+
+
+def test_other_versions_are_refused_unless_nothing_is_left_to_compute(tmp_path: Path) -> None:
+    claim(tmp_path, identity())
+    document = stored(tmp_path)
+    document["versions"]["numpy"] = "1.0.0"
+    (tmp_path / "run.json").write_text(json.dumps(document))
+
+    claim(tmp_path, identity(), finished=True)
+    assert stored(tmp_path) == document
+    for wanted, finished in ((identity(), False), (identity(count=5), True)):
+        with pytest.raises(RunFolderError, match=r"versions\.numpy \('1\.0\.0' there, .*same versions"):
+            claim(tmp_path, wanted, finished=finished)
+
+
+@pytest.mark.parametrize("text", ["", "{", '{"format": "other", "version": 1}', "[]"])
+def test_a_damaged_identity_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "run.json").write_text(text)
+    with pytest.raises(RunFolderError, match="restore that file or choose another folder"):
+        claim(tmp_path, identity())
+    assert (tmp_path / "run.json").read_text() == text
+
+
+def test_a_folder_that_somebody_fills_meanwhile_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    enter = FolderLock.__enter__
+
+    def slow_enter(lock: FolderLock) -> FolderLock:
+        entered = enter(lock)
+        (tmp_path / "foreign").touch()
+        return entered
+
+    monkeypatch.setattr(FolderLock, "__enter__", slow_enter)
+    with pytest.raises(RunFolderError, match="'foreign'"):
+        claim(tmp_path, identity())

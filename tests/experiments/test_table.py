@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+from relforest.experiments.table import Table, aligned
+from relforest.support.errors import InputError
+
+ROWS = [
+    {"set": "a", "pair": 0, "score": 0.1, "done": True},
+    {"set": "b", "pair": 0, "score": 0.25, "done": False},
+    {"set": "a", "pair": 1, "score": None, "done": True},
+]
+
+
+def test_a_table_gives_its_columns_as_numbers_with_nan_for_empty_cells() -> None:
+    table = Table.of(ROWS)
+
+    np.testing.assert_array_equal(table.numbers("score"), [0.1, 0.25, np.nan])
+    np.testing.assert_array_equal(table.numbers("done"), [1.0, 0.0, 1.0])
+    assert len(table) == 3
+    assert table.columns == ("set", "pair", "score", "done")
+
+
+def test_rows_are_chosen_by_value_in_their_order() -> None:
+    table = Table.of(ROWS)
+
+    assert table.where(set="a").cells("pair") == [0, 1]
+    assert table.where(set="a", pair=1).cells("score") == [None]
+    assert table.distinct("set") == ["a", "b"]
+
+
+def test_csv_is_read_back_exactly() -> None:
+    rows = [{"text": 'says "so",\nthen', "number": 0.1 + 0.2, "count": 3}]
+
+    (read,) = csv.DictReader(io.StringIO(Table.of(rows).to_csv()))
+
+    assert read["text"] == 'says "so",\nthen'
+    assert float(read["number"]) == 0.1 + 0.2
+    assert read["count"] == "3"
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (lambda: Table.of([]), "at least one row"),
+        (lambda: Table.of([{"a": 1}, {"b": 1}]), "row 1 has the columns b, but the first a"),
+        (lambda: Table.of(ROWS).cells("pss"), "no column 'pss'; the table has set, pair, score, done"),
+        (lambda: Table.of(ROWS).numbers("set"), r"column 'set' holds text \('a'\)"),
+        (lambda: Table.of(ROWS).where(set="c", pair=0), "no row has set = 'c', pair = 0"),
+    ],
+)
+def test_what_a_table_does_not_have_is_named(action: object, message: str) -> None:
+    assert callable(action)
+    with pytest.raises(InputError, match=message):
+        action()
+
+
+def test_text_is_aligned_in_columns() -> None:
+    text = aligned(("name", "value"), [("a", "1.50"), ("longer", "10.25")])
+
+    assert text == "name    value\na        1.50\nlonger  10.25"

@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+
+from relforest.rl.configuration import (
+    check_configuration,
+    check_world,
+    describe_run,
+    differences,
+    restore_run,
+)
+from relforest.rl.settings import RPISettings
+from relforest.rl.value import ValueFunction
+from relforest.scenes import Attribute, Schema
+from relforest.support.errors import InputError, ModelFormatError, RunFolderError
+from relforest.support.rng import stream
+from relforest.worlds.corridor.env import CorridorEnv
+from rl.small_worlds import ACTION_TYPES, SCHEMA, Picking
+
+HERE = Path("runs/one")
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        np.random.SeedSequence(7),
+        stream(np.random.SeedSequence(7), 3, 1),
+        np.random.SeedSequence([1, 2, 3]),
+        np.random.SeedSequence(),
+    ],
+)
+def test_seed_and_settings_survive_json(seed: np.random.SeedSequence) -> None:
+    document = json.loads(json.dumps(describe_run(CorridorEnv(), RPISettings(), seed, (500, 10))))
+    restored, settings = restore_run(document, HERE)
+    assert restored.generate_state(4).tolist() == seed.generate_state(4).tolist()
+    assert settings == RPISettings()
+    assert (document["episodes"], document["test_episodes"]) == (500, 10)
+
+
+def test_the_options_of_an_environment_belong_to_the_configuration() -> None:
+    seed = np.random.SeedSequence(0)
+    one, other = (
+        describe_run(gymnasium.make("relforest/Corridor-v0", noise=noise), RPISettings(), seed, (5, 5))
+        for noise in (0.05, 0.1)
+    )
+    assert differences(one, other) == ["world.options.noise (0.05 there, 0.1 here)"]
+
+
+def test_differences_name_nested_entries() -> None:
+    there = {"episodes": 500, "settings": {"alpha": 0.05, "lspi": {"epsilon": 1.0}}, "old": 1}
+    here = {"episodes": 500, "settings": {"alpha": 0.1, "lspi": {"epsilon": 2.0}}, "new": 2}
+    assert differences(there, here) == [
+        "settings.alpha (0.05 there, 0.1 here)",
+        "settings.lspi.epsilon (1.0 there, 2.0 here)",
+        "old (1 there, None here)",
+        "new (None there, 2 here)",
+    ]
+    check_configuration(there, there, HERE)
+    with pytest.raises(RunFolderError, match=r"runs/one holds a run of another configuration: settings\.alpha"):
+        check_configuration(there, here, HERE)
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        {},
+        {"random_state": 3},
+        {"random_state": {"entropy": "x", "spawn_key": []}},
+        {"random_state": {"entropy": -1, "spawn_key": []}},
+        {"random_state": {"entropy": 0, "spawn_key": None}},
+        {"random_state": {"entropy": 0, "spawn_key": []}, "settings": {}},
+    ],
+)
+def test_damaged_configurations_are_refused(document: dict[str, object]) -> None:
+    with pytest.raises(ModelFormatError, match=r"the checkpoint in runs/one is damaged"):
+        restore_run(document, HERE)
+
+
+def test_agents_fit_worlds_with_other_numbers_of_objects() -> None:
+    check_world(ValueFunction.zero(SCHEMA, ACTION_TYPES, "bits"), Picking(things=9))
+
+
+def test_agents_do_not_fit_other_action_types() -> None:
+    value = ValueFunction.zero(SCHEMA, ACTION_TYPES, "bits")
+    with pytest.raises(InputError, match=r"knows the action types \['wait', 'pick'\], but CorridorEnv has"):
+        check_world(value, CorridorEnv())
+
+
+def test_agents_do_not_fit_other_attributes() -> None:
+    value = ValueFunction.zero(Schema((Attribute("weight"),)), ACTION_TYPES, "bits")
+    with pytest.raises(InputError, match="trained on objects with .*weight.*, but Picking has .*location"):
+        check_world(value, Picking())

@@ -1,0 +1,131 @@
+"""LSTDQ against hand-worked values and against Algorithm 2.1 written as the loop that is printed there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from relforest.rl.bellman import look_ahead
+from relforest.rl.lstdq import LSTDQ, well_conditioned
+from relforest.scenes.arrays import FloatArray, IntArray
+from rl.linear_problems import Problem, four_states, random_problem, transitions_of
+
+LIMIT = 1e5
+
+
+def printed_algorithm(problem: Problem, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+    """A and b of Algorithm 2.1 with dense feature vectors over all action types."""
+    widths = [table.shape[1] for table in problem.features]
+    starts = np.cumsum([0, *widths])
+
+    def phi(kind: int, row: int) -> FloatArray:
+        vector = np.zeros(sum(widths))
+        vector[starts[kind] : starts[kind + 1]] = problem.features[kind][row]
+        return vector
+
+    matrix, rewards = np.zeros((sum(widths), sum(widths))), np.zeros(sum(widths))
+    moves = problem.transitions
+    for i in range(len(moves)):
+        here = phi(int(moves.types[i]), int(moves.rows[i]))
+        following = np.zeros(sum(widths))
+        if chosen[i] >= 0:
+            following = phi(int(moves.next_types[chosen[i]]), int(moves.next_rows[chosen[i]]))
+        matrix += np.outer(here, here - moves.discounts[i] * following)
+        rewards += here * moves.rewards[i]
+    return matrix, rewards
+
+
+def test_two_states_by_hand() -> None:
+    # State 0 leads to state 1 and pays nothing, state 1 to itself and pays 1; discount 1/2.
+    # Q(1) = 1 + Q(1) / 2 = 2 and Q(0) = 0 + Q(1) / 2 = 1.
+    transitions = transitions_of([((0, 0), 0.0, 0.5, [(0, 1)]), ((0, 1), 1.0, 0.5, [(0, 1)])])
+    problem = LSTDQ([np.eye(2)], transitions, max_condition=LIMIT)
+    # A = I - 0.5 * [[0, 1], [0, 1]].
+    assert problem.matrix(np.array([0, 1])).tolist() == [[1.0, -0.5], [0.0, 0.5]]
+    (weights,) = problem.solve(np.array([0, 1]))
+    assert weights == pytest.approx([1.0, 2.0], abs=1e-12)
+
+
+def test_tabular_values_solve_the_bellman_equation_of_the_policy() -> None:
+    problem = four_states()
+    n = len(problem.transitions)
+    always_left = 2 * np.arange(n)
+    weights = LSTDQ(problem.features, problem.transitions, max_condition=LIMIT).solve(always_left)
+    # P Pi of section 2.1.2 for "always left", over pairs (left 0..3, right 0..3); Q = (I - 0.9 P Pi)^-1 R.
+    successors = [0, 0, 1, 2, 1, 2, 3, 3]
+    transition = np.zeros((8, 8))
+    transition[np.arange(8), successors] = 1.0
+    rewards = np.array([float(after in {1, 2}) for after in successors])
+    closed_form = np.linalg.solve(np.eye(8) - 0.9 * transition, rewards)
+    np.testing.assert_allclose(np.concatenate(weights), closed_form, atol=1e-12)
+    # By hand: left in 0 stays there for nothing, in 1 leads there, in 2 pays 1 and leads to 1: 0, 0, 1; then 1.9.
+    np.testing.assert_allclose(weights[0], [0.0, 0.0, 1.0, 1.9], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_blocks_agree_with_the_printed_algorithm(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng)
+    weights = [rng.standard_normal(table.shape[1]) for table in problem.features]
+    chosen = look_ahead(problem.features, weights, problem.transitions).chosen
+    matrix, rewards = printed_algorithm(problem, chosen)
+    ours = LSTDQ(problem.features, problem.transitions, max_condition=LIMIT)
+    # Feature 2 of type 0 is 0 in all observed pairs: its row of A is 0, and it is cut out.
+    used = [0, 1, 3, 4]
+    assert not matrix[2].any()
+    assert ours.n_features == 4
+    np.testing.assert_allclose(ours.matrix(chosen), matrix[np.ix_(used, used)], atol=1e-12)
+    expected = np.zeros(5)
+    expected[used] = np.linalg.solve(matrix[np.ix_(used, used)], rewards[used])
+    np.testing.assert_allclose(np.concatenate(ours.solve(chosen)), expected, rtol=1e-8)
+
+
+def test_an_action_type_never_taken_has_no_weights() -> None:
+    transitions = transitions_of([((0, 0), 1.0, 0.5, [(1, 0)])])
+    weights = LSTDQ([np.eye(1), np.eye(1)], transitions, max_condition=LIMIT).solve(np.array([0]))
+    assert [w.tolist() for w in weights] == [[1.0], [0.0]]
+
+
+def test_no_features_at_all() -> None:
+    transitions = transitions_of([((0, 0), 1.0, 0.0, [])])
+    problem = LSTDQ([np.zeros((1, 2))], transitions, max_condition=LIMIT)
+    assert problem.n_features == 0
+    assert problem.solve(np.array([-1]))[0].tolist() == [0.0, 0.0]
+
+
+def test_a_singular_matrix_gets_the_constant_of_equation_3_6() -> None:
+    # (3 - 1e5 * 0) / (1e5 - 1), and then the condition number is exactly the limit up to rounding.
+    shifted = well_conditioned(np.diag([3.0, 0.0]), LIMIT)
+    constant = 3.0 / 99_999.0
+    assert shifted[1, 1] in {constant, 2 * constant}
+    assert shifted[0, 1] == 0.0
+
+
+def test_a_good_matrix_is_left_alone() -> None:
+    matrix = np.array([[2.0, 1.0], [0.0, 1.0]])
+    assert well_conditioned(matrix, LIMIT) is matrix
+
+
+def test_a_matrix_of_zeros_becomes_the_identity() -> None:
+    assert well_conditioned(np.zeros((2, 2)), LIMIT).tolist() == [[1.0, 0.0], [0.0, 1.0]]
+
+
+@given(
+    hnp.arrays(np.float64, (4, 4), elements=st.integers(-3, 3).map(float)),
+    st.sampled_from([1.5, 10.0, 1e5]),
+)
+def test_the_condition_number_is_bounded(matrix: FloatArray, limit: float) -> None:
+    singular = np.linalg.svd(well_conditioned(matrix, limit), compute_uv=False)
+    assert singular[0] <= limit * singular[-1] * (1 + 1e-9)
+
+
+def test_features_that_repeat_each_other_are_shrunk_not_blown_up() -> None:
+    # A bias and the bits of a tree always add up to it, so A is singular by construction.
+    bits = np.array([[1.0, 1.0, 0.0], [1.0, 0.0, 1.0]])
+    transitions = transitions_of([((0, 0), 1.0, 0.0, []), ((0, 1), 3.0, 0.0, [])])
+    (weights,) = LSTDQ([bits], transitions, max_condition=LIMIT).solve(np.array([-1, -1]))
+    assert bits @ weights == pytest.approx([1.0, 3.0], abs=1e-3)
+    assert np.abs(weights).max() < 3.0

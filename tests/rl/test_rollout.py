@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from relforest.rl.experience import COLUMNS, Experience, concatenate
+from relforest.rl.policy import RandomPolicy
+from relforest.rl.rollout import rollout, world_of
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from rl.small_worlds import Picking
+
+SEED = np.random.SeedSequence(7)
+
+
+@dataclass(frozen=True, slots=True)
+class Last:
+    """Take the last action offered: the last thing, or wait if there is none."""
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        del rng
+        return len(decision) - 1
+
+
+def assert_equal(found: Experience, expected: Experience) -> None:
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), err_msg=name)
+
+
+def test_an_episode_step_by_step() -> None:
+    found = rollout(Picking(things=3), Last(), 1, SEED)
+    # 3 things, then 2, 1, 0: four states, the last one terminal; every state offers waiting too.
+    assert np.diff(found.objects).tolist() == [3, 2, 1, 0]
+    assert np.diff(found.candidates).tolist() == [4, 3, 2, 1]
+    assert found.states.tolist() == [0, 1, 2]
+    assert found.next_states.tolist() == [1, 2, 3]
+    assert found.actions.tolist() == [3, 6, 8]
+    assert found.durations.tolist() == [2.0, 2.0, 2.0]
+    assert found.terminal.tolist() == [False, False, True]
+    assert found.truncated.tolist() == [False, False, False]
+    # The reward of an action is discounted by 0.5; the episode's total is not.
+    paid = (found.matrix[[2, 4, 5], 0] < 0.5).astype(float)
+    assert found.rewards.tolist() == (0.5 * paid).tolist()
+    assert found.episode_rewards.tolist() == [paid.sum()]
+    assert found.episode_durations.tolist() == [6.0]
+
+
+def test_a_limit_of_time_is_no_terminal_state() -> None:
+    found = rollout(Picking(things=9), RandomPolicy(), 1, SEED)
+    assert len(found) == 4
+    assert found.truncated.tolist() == [False, False, False, True]
+    assert not found.terminal.any()
+
+
+def test_the_same_seed_gives_the_same_experience() -> None:
+    assert_equal(rollout(Picking(), RandomPolicy(), 5, SEED), rollout(Picking(), RandomPolicy(), 5, SEED))
+
+
+def test_another_seed_gives_another_world() -> None:
+    first, second = (rollout(Picking(), RandomPolicy(), 2, np.random.SeedSequence(s)) for s in (0, 1))
+    assert not np.array_equal(first.matrix[:3], second.matrix[:3])
+
+
+def test_episodes_do_not_depend_on_the_batch_they_are_in() -> None:
+    whole = rollout(Picking(), RandomPolicy(), 5, SEED)
+    parts = [
+        rollout(Picking(), RandomPolicy(), 2, SEED),
+        rollout(Picking(), RandomPolicy(), 3, SEED, first=2),
+    ]
+    assert_equal(concatenate(parts), whole)
+
+
+def test_the_policy_cannot_disturb_the_world() -> None:
+    # The first state is the same whatever the policy draws.
+    one, other = rollout(Picking(), Last(), 3, SEED), rollout(Picking(), RandomPolicy(), 3, SEED)
+    assert one.matrix[:3].tolist() == other.matrix[:3].tolist()
+
+
+def test_wrapped_environments_are_fine() -> None:
+    env = gymnasium.make("relforest/Corridor-v0")
+    found = rollout(env, RandomPolicy(), 2, SEED)
+    assert (len(found), found.n_states, found.n_episodes) == (20, 22, 2)
+
+
+@pytest.mark.parametrize("episodes", [0, -1, 2.5])
+def test_counts_of_episodes_are_checked(episodes: Any) -> None:
+    with pytest.raises(InputError, match="episodes must be an integer of at least 1"):
+        rollout(Picking(), Last(), episodes, SEED)
+
+
+def test_an_environment_must_hold_a_world() -> None:
+    with pytest.raises(InputError, match="CartPoleEnv is no world"):
+        world_of(gymnasium.make("CartPole-v1"))
+
+
+class Stuck(Picking):
+    def decision(self) -> Decision:
+        return Decision(np.empty((0, 1)), np.empty(0, np.int64), np.empty((0, 1), np.int64), np.empty(0, np.int64))
+
+
+class Timeless(Picking):
+    def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        return *super().step(action)[:4], {"duration": 0.0}
+
+
+def test_worlds_that_break_the_conventions_are_named() -> None:
+    with pytest.raises(InputError, match="Stuck offers no action"):
+        rollout(Stuck(), Last(), 1, SEED)
+    with pytest.raises(InputError, match=r'Timeless must report a positive info\["duration"\]'):
+        rollout(Timeless(), Last(), 1, SEED)
