@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from relforest import metrics
 from relforest.mil import CovAggClassifier
+from relforest.rl import SMRFRPI
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.trees import SMRFTreeClassifier, Tree
 from relforest.worlds import ENVIRONMENT_IDS
@@ -16,6 +17,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ENVIRONMENT_IDS",
+    "SMRFRPI",
     "Attribute",
     "CovAggClassifier",
     "SMRFTreeClassifier",

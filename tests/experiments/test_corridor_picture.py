@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -19,7 +21,7 @@ def agent() -> SMRFRPI:
 
 def values_at(agent: SMRFRPI, x: float) -> list[float]:
     """Return the values that policies act on."""
-    env = agent.env.unwrapped
+    env: Any = agent.env.unwrapped
     env.reset(options={"x": x})
     return list(agent.value_.values(env.decision()))
 
@@ -50,7 +52,8 @@ def test_every_training_example_has_its_bellman_error(agent: SMRFRPI) -> None:
     assert len(found.errors) == len(batch)
     for number in (0, 9, len(batch) - 1):
         before, after = (
-            float(batch.matrix[batch.objects[states[number]], 0]) for states in (batch.states, batch.next_states)
+            float(batch.matrix[batch.objects[states[number]], 0])
+            for states in (batch.states, batch.next_states)
         )
         kind = int(batch.types[batch.actions[number]])
         # r + 0.9 max Q(s', a') - Q(s, a); the limit of 10 steps is no end, so it counts as well.

@@ -39,7 +39,10 @@ def test_a_new_folder_gets_its_identity_and_the_versions_first(tmp_path: Path) -
 
 
 def test_a_claimed_folder_is_locked(tmp_path: Path) -> None:
-    with claimed(tmp_path, identity(), is_finished=lambda: False), pytest.raises(RunFolderError, match="in use"):
+    with (
+        claimed(tmp_path, identity(), is_finished=lambda: False),
+        pytest.raises(RunFolderError, match="in use"),
+    ):
         claim(tmp_path, identity())
     claim(tmp_path, identity())
 
@@ -53,7 +56,9 @@ def test_the_same_work_changes_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("left", [[], [".lock"], [TEMPORARY], [".lock", TEMPORARY]])
-def test_what_an_interruption_leaves_before_the_identity_is_no_obstacle(tmp_path: Path, left: list[str]) -> None:
+def test_what_an_interruption_leaves_before_the_identity_is_no_obstacle(
+    tmp_path: Path, left: list[str]
+) -> None:
     for name in left:
         (tmp_path / name).touch()
     claim(tmp_path, identity())
@@ -130,7 +135,9 @@ def test_a_damaged_identity_is_refused(tmp_path: Path, text: str) -> None:
     assert (tmp_path / "run.json").read_text() == text
 
 
-def test_a_folder_that_somebody_fills_meanwhile_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_somebody_fills_meanwhile_is_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     enter = FolderLock.__enter__
 
     def slow_enter(lock: FolderLock) -> FolderLock:

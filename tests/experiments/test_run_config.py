@@ -21,7 +21,10 @@ from relforest.support.errors import InputError
         ({"runs": True}, "runs must be an integer of at least 1, got True"),
         ({"seed": -1}, "seed must be an integer of at least 0, got -1"),
         ({"test_episodes": 0}, "test_episodes must be an integer of at least 1, got 0"),
-        ({"features": "bytes"}, "features must be one of 'densities.bits', 'bits', 'probability', got 'bytes'"),
+        (
+            {"features": "bytes"},
+            "features must be one of 'densities.bits', 'bits', 'probability', got 'bytes'",
+        ),
     ],
 )
 def test_options_out_of_range_are_named(options: dict[str, Any], message: str) -> None:

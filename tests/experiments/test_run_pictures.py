@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from experiments.run_folders import SMALL
 from relforest.experiments.run_pictures import Q_FUNCTION, REWARD, draw_runs
 from relforest.experiments.runs import learn_runs
+from relforest.experiments.tasks import task_named
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -48,3 +50,12 @@ def test_newer_pictures_are_left_alone(run_folder: Path) -> None:
     draw_runs(SMALL, run_folder)
 
     assert {name: (run_folder / name).stat().st_mtime_ns for name in before} == before
+
+
+def test_a_task_without_a_picture_of_its_values_has_rewards_only(
+    run_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = replace(task_named("corridor"), draw_values=None, optimum=None)
+    monkeypatch.setattr("relforest.experiments.run_config.task_named", lambda _name: plain)
+
+    assert draw_runs(SMALL, run_folder) == [run_folder / REWARD]

@@ -54,7 +54,9 @@ def figures(table: Table) -> Mapping[str, Figure]:
     return {"faces.png": figure}
 
 
-STUDY = Study("dice", "Is it fair?", (Throws(2), Throws(3), Throws(4)), (Throws(1),), throw, summarize, figures)
+STUDY = Study(
+    "dice", "Is it fair?", (Throws(2), Throws(3), Throws(4)), (Throws(1),), throw, summarize, figures
+)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -67,7 +69,9 @@ def test_a_study_saves_rows_summary_and_figures(tmp_path: Path) -> None:
 
     lines = (tmp_path / "out" / "rows.csv").read_text().splitlines()
     assert lines[0] == "id,throw,face"
-    assert [line.split(",")[0] for line in lines[1:]] == ["dice/0/5"] * 2 + ["dice/1/5"] * 3 + ["dice/2/5"] * 4
+    assert [line.split(",")[0] for line in lines[1:]] == ["dice/0/5"] * 2 + ["dice/1/5"] * 3 + [
+        "dice/2/5"
+    ] * 4
     assert findings.text == "9 throws"
     assert (tmp_path / "out" / "summary.txt").read_text() == f"{findings}\n"
     assert sorted(contents(tmp_path / "out")) == [
@@ -99,7 +103,7 @@ def test_rows_depend_on_the_seed_and_not_on_the_number_of_processes(tmp_path: Pa
 def test_an_interrupted_study_computes_only_the_rest(tmp_path: Path) -> None:
     run_study(STUDY, tmp_path / "whole")
     with pytest.raises(KilledError):
-        run_study(replace(STUDY, run=stop_at_three), tmp_path / "cut")
+        run_study(replace(STUDY, compute=stop_at_three), tmp_path / "cut")
     first = tmp_path / "cut" / "settings" / "0000.json"
     before = first.stat().st_mtime_ns
     (tmp_path / "cut" / "settings" / ".0001.json.0123456789abcdef.tmp").touch()
@@ -116,7 +120,7 @@ def test_deleted_figures_are_drawn_again_from_the_saved_rows(tmp_path: Path) -> 
     before = contents(tmp_path)
     for name in ("faces.png", "rows.csv", "summary.txt"):
         (tmp_path / name).unlink()
-    run_study(replace(STUDY, run=stop_at_three), tmp_path)
+    run_study(replace(STUDY, compute=stop_at_three), tmp_path)
 
     assert contents(tmp_path) == before
 

@@ -3,18 +3,17 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from experiments.run_folders import SMALL, TWO_RUNS, contents, stamps
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.runs import learn_runs
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
-from experiments.run_folders import SMALL, TWO_RUNS, contents, stamps
 
 HOLDER = """
 import sys
@@ -58,7 +57,9 @@ def test_a_run_folder_holds_configuration_results_and_pictures(finished: Path) -
         "reward.png",
     }
     rows = [json.loads(line) for line in (finished / "metrics.jsonl").read_text().splitlines()]
-    assert [list(row) for row in rows] == [["iteration", "test_reward", "train_reward", "trees", "leaves"]] * 2
+    assert [list(row) for row in rows] == [
+        ["iteration", "test_reward", "train_reward", "trees", "leaves"]
+    ] * 2
     assert [row["iteration"] for row in rows] == [0, 1]
     assert metrics_of(finished) == rows
     assert json.loads((finished / "run.json").read_text())["seed"] == 0
@@ -161,8 +162,8 @@ def test_a_run_in_use_by_a_worker_that_survived_is_refused(tmp_path: Path, two_f
     assert contents(out / "run-01") == contents(two_finished / "run-01")
 
 
-def killed_at_write(number: int, monkeypatch: pytest.MonkeyPatch, learn: Callable[[], object]) -> bool:
-    """Let `learn` end before it finishes its write of that number, its temporary file left; False if it got by."""
+def killed_at_write(number: int, config: RunConfig, out: Path, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Learn, but end within the write of that number and leave its temporary file; False if there is none."""
     replace_file, unlink, written = Path.replace, Path.unlink, 0
 
     def count(path: Path, target: Path) -> Path:
@@ -180,7 +181,7 @@ def killed_at_write(number: int, monkeypatch: pytest.MonkeyPatch, learn: Callabl
         patch.setattr(Path, "replace", count)
         patch.setattr(Path, "unlink", keep_temporary)
         try:
-            learn()
+            learn_runs(config, out)
         except KilledError:
             return True
     return False
@@ -190,9 +191,9 @@ def test_a_run_killed_at_any_write_resumes_to_the_same_files(
     tmp_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     number = 1
-    while killed_at_write(number, monkeypatch, lambda: learn_runs(SMALL, tmp_path / f"{number}")):
-        learn_runs(SMALL, tmp_path / f"{number}")
-        assert contents(tmp_path / f"{number}") == contents(finished), f"killed at write {number}"
+    while killed_at_write(number, SMALL, out := tmp_path / f"{number}", monkeypatch):
+        learn_runs(SMALL, out)
+        assert contents(out) == contents(finished), f"killed at write {number}"
         number += 1
 
     # run.json; checkpoint, metrics, weights and policy twice; experience and at least one tree; two pictures.
@@ -204,7 +205,7 @@ def test_several_runs_killed_in_the_middle_resume_to_the_same_files(
 ) -> None:
     for number in (1, 2, 20):
         out = tmp_path / f"{number}"
-        assert killed_at_write(number, monkeypatch, lambda out=out: learn_runs(TWO_RUNS, out))  # type: ignore[misc]
+        assert killed_at_write(number, TWO_RUNS, out, monkeypatch)
         learn_runs(TWO_RUNS, out)
         assert contents(out) == contents(two_finished)
 

@@ -6,10 +6,10 @@ import io
 import numpy as np
 import pytest
 
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.table import Row, Table, aligned
 from relforest.support.errors import InputError
 
-ROWS = [
+ROWS: list[Row] = [
     {"set": "a", "pair": 0, "score": 0.1, "done": True},
     {"set": "b", "pair": 0, "score": 0.25, "done": False},
     {"set": "a", "pair": 1, "score": None, "done": True},
@@ -34,7 +34,7 @@ def test_rows_are_chosen_by_value_in_their_order() -> None:
 
 
 def test_csv_is_read_back_exactly() -> None:
-    rows = [{"text": 'says "so",\nthen', "number": 0.1 + 0.2, "count": 3}]
+    rows: list[Row] = [{"text": 'says "so",\nthen', "number": 0.1 + 0.2, "count": 3}]
 
     (read,) = csv.DictReader(io.StringIO(Table.of(rows).to_csv()))
 

@@ -19,5 +19,5 @@ def test_every_task_makes_a_world() -> None:
 
 
 def test_an_unknown_task_is_named_with_those_that_exist() -> None:
-    with pytest.raises(InputError, match="task must be one of 'corridor'.*, got 'corridors'"):
+    with pytest.raises(InputError, match=r"task must be one of 'corridor'.*, got 'corridors'"):
         task_named("corridors")

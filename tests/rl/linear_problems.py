@@ -36,8 +36,8 @@ def transitions_of(
 def four_states(discount: float = 0.9) -> Problem:
     """A corridor of four states; a step that ends in one of the two middle ones pays 1.
 
-    Action types 0 = left, 1 = right, both offered everywhere; one indicator feature per state. The row of a pair
-    is its state.
+    Action types 0 = left, 1 = right, both offered everywhere; one indicator feature per state. The row of a
+    pair is its state.
     """
     left, right = {0: 0, 1: 0, 2: 1, 3: 2}, {0: 1, 1: 2, 2: 3, 3: 3}
     steps = []

@@ -84,9 +84,9 @@ def beside() -> Tree:
 def two_episodes() -> Experience:
     """Two episodes in `Picking`, written out.
 
-    Episode 0: state 0 has things at 0.2 and 0.8; pick the first (candidate 1), get to state 1 with the thing at
-    0.8; pick it (candidate 4), get to state 2, which is terminal and empty but for waiting.
-    Episode 1: state 3 has a thing at 0.4; wait (candidate 6), get to the same in state 4, where time is up.
+    Episode 0: state 0 has things at 0.2 and 0.8; pick the first (candidate 1), get to state 1 with the thing
+    at 0.8; pick it (candidate 4), get to state 2, which is terminal and empty but for waiting. Episode 1:
+    state 3 has a thing at 0.4; wait (candidate 6), get to the same in state 4, where time is up.
     """
     return Experience(
         matrix=np.array([[0.2], [0.8], [0.8], [0.4], [0.4]]),

@@ -61,7 +61,9 @@ def test_differences_name_nested_entries() -> None:
         "new (None there, 2 here)",
     ]
     check_configuration(there, there, HERE)
-    with pytest.raises(RunFolderError, match=r"runs/one holds a run of another configuration: settings\.alpha"):
+    with pytest.raises(
+        RunFolderError, match=r"runs/one holds a run of another configuration: settings\.alpha"
+    ):
         check_configuration(there, here, HERE)
 
 
@@ -93,5 +95,5 @@ def test_agents_do_not_fit_other_action_types() -> None:
 
 def test_agents_do_not_fit_other_attributes() -> None:
     value = ValueFunction.zero(Schema((Attribute("weight"),)), ACTION_TYPES, "bits")
-    with pytest.raises(InputError, match="trained on objects with .*weight.*, but Picking has .*location"):
+    with pytest.raises(InputError, match=r"trained on objects with .*weight.*, but Picking has .*location"):
         check_world(value, Picking())

@@ -28,7 +28,7 @@ def picks(*things: float) -> Scenes:
 def test_a_question_with_three_leaves_by_hand() -> None:
     tree, scenes = near(SCHEMA), scenes_at(0.35, 0.75, np.nan)
     features = tree_features(tree, query(tree, scenes), "densities+bits")
-    # Columns: bit and density of the Yes leaf, of the No leaf, of the Error leaf. Density exp(-(x - 0.25)^2 / 2).
+    # Bit and density of the Yes leaf, of the No leaf, of the Error leaf; density exp(-(x - 0.25)^2 / 2).
     expected = [
         [1.0, math.exp(-0.005), 0.0, 0.0, 0.0, 0.0],
         [0.0, 0.0, 1.0, math.exp(-0.125), 0.0, 0.0],
@@ -48,8 +48,8 @@ def test_a_leaf_has_a_density_for_every_question_above_it() -> None:
 
 
 def test_the_representative_sequence_has_the_largest_product() -> None:
-    # Products of the things at 0.6 +- 0.05: the first question says the same of both, the second prefers 0.55,
-    # with exp(-3 * 0.05^2 / 2).
+    # Things at 0.6 +- 0.05: the first question says the same of both, the second prefers 0.55, with
+    # exp(-3 * 0.05^2 / 2).
     tree = beside()
     features = tree_features(tree, query(tree, picks(0.6, 0.65, 0.55)), "densities+bits")
     np.testing.assert_allclose(features[0, :3], [1.0, math.exp(-0.0625), math.exp(-0.00375)], rtol=1e-12)

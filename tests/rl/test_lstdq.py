@@ -61,7 +61,7 @@ def test_tabular_values_solve_the_bellman_equation_of_the_policy() -> None:
     rewards = np.array([float(after in {1, 2}) for after in successors])
     closed_form = np.linalg.solve(np.eye(8) - 0.9 * transition, rewards)
     np.testing.assert_allclose(np.concatenate(weights), closed_form, atol=1e-12)
-    # By hand: left in 0 stays there for nothing, in 1 leads there, in 2 pays 1 and leads to 1: 0, 0, 1; then 1.9.
+    # By hand: left stays in 0 for nothing, leads from 1 there, pays 1 in 2 on the way to 1, then 1 + 0.9 * 1.
     np.testing.assert_allclose(weights[0], [0.0, 0.0, 1.0, 1.9], atol=1e-12)
 
 
@@ -69,8 +69,8 @@ def test_tabular_values_solve_the_bellman_equation_of_the_policy() -> None:
 def test_blocks_agree_with_the_printed_algorithm(seed: int) -> None:
     rng = np.random.default_rng(seed)
     problem = random_problem(rng)
-    weights = [rng.standard_normal(table.shape[1]) for table in problem.features]
-    chosen = look_ahead(problem.features, weights, problem.transitions).chosen
+    start: list[FloatArray] = [rng.normal(size=(table.shape[1],)) for table in problem.features]
+    chosen = look_ahead(problem.features, start, problem.transitions).chosen
     matrix, rewards = printed_algorithm(problem, chosen)
     ours = LSTDQ(problem.features, problem.transitions, max_condition=LIMIT)
     # Feature 2 of type 0 is 0 in all observed pairs: its row of A is 0, and it is cut out.

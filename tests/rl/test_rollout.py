@@ -99,7 +99,9 @@ def test_an_environment_must_hold_a_world() -> None:
 
 class Stuck(Picking):
     def decision(self) -> Decision:
-        return Decision(np.empty((0, 1)), np.empty(0, np.int64), np.empty((0, 1), np.int64), np.empty(0, np.int64))
+        return Decision(
+            np.empty((0, 1)), np.empty(0, np.int64), np.empty((0, 1), np.int64), np.empty(0, np.int64)
+        )
 
 
 class Timeless(Picking):

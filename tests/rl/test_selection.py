@@ -17,7 +17,7 @@ def lookahead(values: list[float], errors: list[float]) -> Lookahead:
 
 def test_f_test_by_hand() -> None:
     found = f_test(Fit(120.0, 2, 104), Fit(100.0, 4, 104))
-    # F = (20 / 2) / (100 / 100) = 10 with 2 and 100 degrees of freedom. For 2 the upper tail has the closed form
+    # F = (20 / 2) / (100 / 100) = 10 with 2 and 100 degrees of freedom; for 2, the upper tail is just
     # (1 + 2 F / 100) ** -50.
     assert found.statistic == 10.0
     assert found.p_value == pytest.approx(1.2**-50)

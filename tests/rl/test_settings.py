@@ -56,10 +56,17 @@ def test_options_are_checked(options: dict[str, Any], message: str) -> None:
 
 @pytest.mark.parametrize(
     "changes",
-    [{"epsilon": 3}, {"epsilon": "0.1"}, {"lspi": []}, {"lspi": {"epsilon": 1.0}}, {"speed": 1}, {"tree": None}],
+    [
+        {"epsilon": 3},
+        {"epsilon": "0.1"},
+        {"lspi": []},
+        {"lspi": {"epsilon": 1.0}},
+        {"speed": 1},
+        {"tree": None},
+    ],
 )
 def test_malformed_settings_are_refused(changes: dict[str, Any]) -> None:
-    with pytest.raises(ModelFormatError, match="malformed .*Settings"):
+    with pytest.raises(ModelFormatError, match=r"malformed \w*Settings"):
         RPISettings.from_dict(RPISettings().to_dict() | changes)
 
 

@@ -40,7 +40,7 @@ def test_nothing_learned_is_worth_nothing() -> None:
 def test_values_by_hand() -> None:
     weights = (np.array([3.0]), np.array([0.5, 1.0, 2.0, 10.0, 20.0, 100.0, 200.0]))
     value = ValueFunction(SCHEMA, ACTION_TYPES, "densities+bits", ((), (near(PICK_SCHEMA),)), weights)
-    # Wait: 3. Pick at 0.35, inside: 0.5 + 1 + 2 exp(-0.005). Pick at 0.75, outside: 0.5 + 10 + 20 exp(-0.125).
+    # Wait: 3. Pick inside, at 0.35: 0.5 + 1 + 2 exp(-0.005); outside, at 0.75: 0.5 + 10 + 20 exp(-0.125).
     # Pick a thing of unknown location: 0.5 + 100, no density.
     found = value.values(decision(0.35, 0.75, np.nan))
     expected = [3.0, 1.5 + 2 * math.exp(-0.005), 10.5 + 20 * math.exp(-0.125), 100.5]
@@ -89,7 +89,9 @@ def test_the_order_of_objects_does_not_matter() -> None:
 
 
 def test_no_actions_have_no_values() -> None:
-    empty = Decision(np.zeros((1, 1)), np.empty(0, np.int64), np.empty((0, 1), np.int64), np.empty(0, np.int64))
+    empty = Decision(
+        np.zeros((1, 1)), np.empty(0, np.int64), np.empty((0, 1), np.int64), np.empty(0, np.int64)
+    )
     assert random_value("bits").values(empty).tolist() == []
 
 

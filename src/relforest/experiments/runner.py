@@ -80,7 +80,7 @@ def run_study(
     files = [folder / _SETTINGS / f"{index:04d}.json" for index in range(len(settings))]
     with claimed(folder, identity, is_finished=lambda: all(file.exists() for file in files)):
         tasks = [
-            (study.run, setting, Place(seed, index, folder), file)
+            (study.compute, setting, Place(seed, index, folder), file)
             for index, (setting, file) in enumerate(zip(settings, files, strict=True))
             if not file.exists()
         ]
@@ -110,11 +110,11 @@ def _report(study: Study[S], table: Table, folder: Path) -> Findings:
 
 def _warm_up(study: Study[S]) -> None:
     with TemporaryDirectory() as folder, one_blas_thread():
-        study.run(study.smoke[0], Place(0, 0, Path(folder)))
+        study.compute(study.smoke[0], Place(0, 0, Path(folder)))
 
 
-def _run_setting(run: Callable[[S, Place], list[Row]], setting: S, place: Place, file: Path) -> None:
-    rows = run(setting, place)
+def _run_setting(compute: Callable[[S, Place], list[Row]], setting: S, place: Place, file: Path) -> None:
+    rows = compute(setting, place)
     header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
     write_json(file, {**header, "setting": _plain(setting), "rows": rows})
 

@@ -68,7 +68,7 @@ class Study(Generic[S]):
         The whole study.
     smoke : tuple
         A small version of it, done in seconds, that goes through the same code.
-    run : callable
+    compute : callable
         Turns a setting into rows. It must be a function of a module, draw its random numbers from
         `Place.stream` or `Place.seed`, and go on where it was interrupted if it takes long.
     summarize : callable
@@ -84,7 +84,7 @@ class Study(Generic[S]):
     question: str
     settings: tuple[S, ...]
     smoke: tuple[S, ...]
-    run: Callable[[S, Place], list[Row]]
+    compute: Callable[[S, Place], list[Row]]
     summarize: Callable[[Table], Findings]
     figures: Callable[[Table], Mapping[str, Figure]]
     compiles: bool = True

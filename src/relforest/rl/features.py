@@ -15,18 +15,13 @@ from relforest.scenes.arrays import FloatArray
 from relforest.trees import Answers, Tree, query
 
 FeatureMode = Literal["densities+bits", "bits", "probability"]
+LeafMode = Literal["densities+bits", "bits"]
 
 FEATURE_MODES: Final[tuple[FeatureMode, ...]] = ("densities+bits", "bits", "probability")
 
 
-def leaf_widths(tree: Tree, mode: FeatureMode) -> tuple[int, ...]:
-    """Return the number of columns that each leaf contributes on its own, in leaf order.
-
-    A leaf has one bit and, with densities, one column per question above it. Its probability is no column of
-    its own: all leaves share one, so the widths are 0 in that mode.
-    """
-    if mode == "probability":
-        return (0,) * tree.n_leaves
+def leaf_widths(tree: Tree, mode: LeafMode) -> tuple[int, ...]:
+    """Return the number of columns of each leaf: a bit and, with densities, one per question above it."""
     if mode == "bits":
         return (1,) * tree.n_leaves
     return tuple(1 + len(above) for above in tree.questions_above)

@@ -100,8 +100,8 @@ def read_policy(folder: str | os.PathLike[str]) -> ValueFunction:
     value = _read_parts(Path(folder))
     if value is None:
         raise ModelFormatError(
-            f"{POLICY} and {WEIGHTS} in {folder} are of different iterations, as an interrupted run may leave "
-            "them; start the run again, which restores both"
+            f"{POLICY} and {WEIGHTS} in {folder} are of different iterations, as after an interruption; "
+            "start the run again, which restores both"
         )
     return value
 

@@ -99,6 +99,8 @@ class SMRFRPI:
     ) -> None:
         if settings is not None and not isinstance(settings, RPISettings):
             raise InputError(f"settings must be RPISettings(...), got {settings!r}")
+        if n_jobs != -1:
+            at_least("n_jobs (or -1 for all cores)", n_jobs, 1)
         world = world_of(env)
         self.env = env
         self.settings = settings or RPISettings()

@@ -70,11 +70,11 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         accepts questions on noise more often than `alpha`; the permutation test keeps its level.
     alpha : float, default 0.05
         Significance level.
-    attempts : int, default 1
+    attempts : int, default 3
         Tries for each possible question.
     permutations : int, default 99
         Shuffles of the permutation test.
-    max_points : int, default 500_000
+    max_points : int, default 100_000
         Expansions with more points than this are left out; `n_left_out_` counts them.
     random_state : int, SeedSequence, Generator or None, default None
         Seed; an integer makes `fit` repeatable.
@@ -117,9 +117,9 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         *,
         test: Test = "likelihood-ratio",
         alpha: float = 0.05,
-        attempts: int = 1,
+        attempts: int = 3,
         permutations: int = 99,
-        max_points: int = 500_000,
+        max_points: int = 100_000,
         random_state: RandomState = None,
         n_jobs: int = 1,
     ) -> None:

@@ -60,9 +60,9 @@ class TreeSettings:
 
     test: Test = "likelihood-ratio"
     alpha: float = 0.05
-    attempts: int = 1
+    attempts: int = 3
     permutations: int = 99
-    max_points: int = 500_000
+    max_points: int = 100_000
     covagg: CovAggSettings = field(default_factory=CovAggSettings)
 
     def __post_init__(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Schema
+
+_SPOKEN_WITH_VOWEL: Final = frozenset("AEFHILMNORSX")
 
 
 def sentence(question: Question, fresh: tuple[int, ...] = ()) -> str:
@@ -45,9 +47,12 @@ def sentence(question: Question, fresh: tuple[int, ...] = ()) -> str:
         return " ".join((subject, *verb_phrase))
     if asked == [subject]:
         verb, rest = verb_phrase
-        return f"there is a {subject} {rest}" if verb == "is" else f"there is a {subject} that {verb} {rest}"
-    listed = asked[0] if len(asked) == 1 else f"{', '.join(asked[:-1])} and {asked[-1]}"
-    introduction = f"there is a {listed}" if len(asked) == 1 else f"there are {listed}"
+        introduction = f"there is {_with_article(subject)}"
+        return f"{introduction} {rest}" if verb == "is" else f"{introduction} that {verb} {rest}"
+    if len(asked) == 1:
+        introduction = f"there is {_with_article(asked[0])}"
+    else:
+        introduction = f"there are {', '.join(asked[:-1])} and {asked[-1]}"
     return f"{introduction} such that {' '.join((subject, *verb_phrase))}"
 
 
@@ -100,15 +105,17 @@ def _statement(question: Question, names: list[str]) -> tuple[str, tuple[str, st
     match question.mapping.operation:
         case "identity":
             return names[0], ("has", f"{attribute} {_region(question.volume)}")
-        case "distance":
+        case "distance" if attribute == "location":
             return names[1], ("is", _span(question.volume, names[0]))
+        case "distance":
+            return names[1], ("has", f"{attribute} {_span(question.volume, names[0])}'s")
         case "difference":
             return names[1], ("has", f"{attribute} minus {names[0]}'s {_region(question.volume)}")
         case "reframe":
             frame = f"in the frame of {names[0]} facing {names[1]}"
         case _:
             frame = f"in the frame of {names[0]} facing {names[1]}, their distance being 1"
-    place = f"{_region(question.volume)} {frame}"
+    place = f"{_region(question.volume)}, {frame}"
     return names[2], ("is", place if attribute == "location" else f"at {attribute} {place}")
 
 
@@ -131,9 +138,9 @@ def _region(volume: Volume) -> str:
     ]
     farthest = float(np.linalg.norm(volume.axes[0]))
     # The centre of a small volume needs more digits than usual.
-    decimals = max(2, 1 - math.floor(math.log10(farthest))) if farthest > 0.0 else 2
+    decimals = 1 - math.floor(math.log10(farthest)) if 0.0 < farthest < 0.1 else 2
     centre = _vector(volume.mean, decimals)
-    return f"near {centre}, reaching {', '.join(reaches[:-1])} and {reaches[-1]},"
+    return f"near {centre}, reaching {', '.join(reaches[:-1])} and {reaches[-1]}"
 
 
 def _interval(volume: Volume) -> tuple[float, float]:
@@ -149,6 +156,11 @@ def _number(value: float) -> str:
 
 def _vector(values: NDArray[np.float64], decimals: int = 2) -> str:
     return f"({', '.join(_number(round(float(value), decimals)) for value in values)})"
+
+
+def _with_article(name: str) -> str:
+    # By how the letter is spoken: an A, a B, an F.
+    return f"{'an' if name in _SPOKEN_WITH_VOWEL else 'a'} {name}"
 
 
 def _counted(count: int, noun: str, plural: str | None = None) -> str:

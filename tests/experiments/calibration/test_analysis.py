@@ -35,11 +35,15 @@ def test_the_interval_is_the_central_95_percent_of_a_binomial() -> None:
 
 @pytest.mark.parametrize(("accepted", "met"), [(11, False), (12, True), (29, True), (30, False)])
 def test_the_permutation_test_must_lie_inside(accepted: int, met: bool) -> None:  # noqa: FBT001
-    table = Table.of([*rows("likelihood-ratio", "3-5", 400, 300), *rows("permutation", CLAIMED, 400, accepted)])
+    table = Table.of(
+        [*rows("likelihood-ratio", "3-5", 400, 300), *rows("permutation", CLAIMED, 400, accepted)]
+    )
     findings = summarize(table)
 
     assert [claim.is_met for claim in findings.claims] == [met]
-    assert "likelihood-ratio      3-5   400       300  0.750             0.030 to 0.072      no" in findings.text
+    assert (
+        "likelihood-ratio      3-5   400       300  0.750             0.030 to 0.072      no" in findings.text
+    )
 
 
 def test_the_figure_has_a_line_per_rate() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from relforest.experiments.concepts.run import SCENES, run
+from relforest.experiments.concepts.run import SCENES, compute
 from relforest.experiments.concepts.settings import ConceptSetting
 from relforest.experiments.study import Place
 
@@ -24,9 +24,9 @@ def test_scenes_have_the_size_that_their_name_says(concept: str) -> None:
 
 def test_a_tree_that_finds_the_concept_carries_over(tmp_path: Path) -> None:
     setting = ConceptSetting("yellow", 0, 60)
-    rows = run(setting, Place(0, 3, tmp_path))
+    rows = compute(setting, Place(0, 3, tmp_path))
 
     assert [row["test"] for row in rows] == ["same", "15 objects"]
     assert all(float(str(row["pss"])) > 0.8 for row in rows)
     assert "has color near" in str(rows[0]["tree"])
-    assert rows == run(setting, Place(0, 3, tmp_path))
+    assert rows == compute(setting, Place(0, 3, tmp_path))

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from relforest.experiments.corridor.run import run, seed_of
+from relforest.experiments.corridor.run import compute, seed_of
 from relforest.experiments.corridor.settings import CONDITIONS, SETTINGS, CorridorSetting
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.run_metrics import metrics_of
@@ -18,7 +18,7 @@ def test_conditions_share_no_seed() -> None:
 
 def test_a_run_is_what_the_command_learn_gives_with_the_same_seed(tmp_path: Path) -> None:
     setting = CorridorSetting("10-bits", 1, 2, 1, 4, "bits")
-    rows = run(setting, Place(0, 5, tmp_path / "study"))
+    rows = compute(setting, Place(0, 5, tmp_path / "study"))
 
     config = RunConfig(
         "corridor", episodes=4, iterations=1, runs=2, seed=seed_of("10-bits", 0), features="bits"
@@ -26,8 +26,10 @@ def test_a_run_is_what_the_command_learn_gives_with_the_same_seed(tmp_path: Path
     learn_runs(config, tmp_path / "learn")
     metrics = metrics_of(tmp_path / "learn" / "run-01")
     assert rows == [{"condition": "10-bits", "run": 1, **row} for row in metrics]
-    assert run(setting, Place(0, 5, tmp_path / "study")) == rows
+    assert compute(setting, Place(0, 5, tmp_path / "study")) == rows
 
 
 def test_the_study_has_thirty_runs_of_each_condition() -> None:
-    assert {name: sum(s.condition == name for s in SETTINGS) for name in CONDITIONS} == dict.fromkeys(CONDITIONS, 30)
+    assert {name: sum(s.condition == name for s in SETTINGS) for name in CONDITIONS} == dict.fromkeys(
+        CONDITIONS, 30
+    )

@@ -7,7 +7,7 @@ into false-positive rates and a figure. The question, the command and the result
 from __future__ import annotations
 
 from relforest.experiments.calibration.analysis import figures, summarize
-from relforest.experiments.calibration.run import run
+from relforest.experiments.calibration.run import compute
 from relforest.experiments.calibration.settings import SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]

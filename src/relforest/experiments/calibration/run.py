@@ -18,7 +18,7 @@ _DATA, _LEARNING = 0, 1
 _SCHEMA: Final = Schema((Attribute("location", 2),))
 
 
-def run(setting: CalibrationSetting, place: Place) -> list[Row]:
+def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
     """Return a row per scene set: test, objects, scenes, block, set, accepted.
 
     A set counts as accepted if its tree is no stub, that is, if the test let any question pass at the root.

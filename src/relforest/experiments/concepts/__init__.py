@@ -7,7 +7,7 @@ into findings and a figure. The question, the command and the result seen stand 
 from __future__ import annotations
 
 from relforest.experiments.concepts.analysis import figures, summarize
-from relforest.experiments.concepts.run import run
+from relforest.experiments.concepts.run import compute
 from relforest.experiments.concepts.settings import SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]

@@ -32,7 +32,7 @@ Draw: TypeAlias = Callable[[np.random.Generator, int], Labelled]
 _TRAINING, _TESTING, _LEARNING = 0, 1, 2
 
 
-def run(setting: ConceptSetting, place: Place) -> list[Row]:
+def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     """Return a row per kind of test scenes: concept, replicate, test, pss, leaves, tree (in words).
 
     References

@@ -8,7 +8,7 @@ table into findings and Figures 7.2 to 7.4. The question, the command and the re
 from __future__ import annotations
 
 from relforest.experiments.corridor.analysis import figures, summarize
-from relforest.experiments.corridor.run import run
+from relforest.experiments.corridor.run import compute
 from relforest.experiments.corridor.settings import SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]

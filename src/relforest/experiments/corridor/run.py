@@ -13,7 +13,7 @@ from relforest.experiments.table import Row
 from relforest.support.rng import seed_sequence, stream
 
 
-def run(setting: CorridorSetting, place: Place) -> list[Row]:
+def compute(setting: CorridorSetting, place: Place) -> list[Row]:
     """Learn the run in a folder of its own, or go on with it, and return its metrics.
 
     The columns are condition, run, and those of ``metrics.jsonl``; iteration 0 is before learning.

@@ -8,7 +8,7 @@ turns the table into findings and a figure. The question, the command and the re
 from __future__ import annotations
 
 from relforest.experiments.covagg.analysis import figures, summarize
-from relforest.experiments.covagg.run import run
+from relforest.experiments.covagg.run import compute
 from relforest.experiments.covagg.settings import SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]

@@ -28,7 +28,7 @@ GENERATORS: Final[Mapping[str, Callable[[np.random.Generator, int], BagSet]]] = 
 )
 
 
-def run(setting: CovAggSetting, place: Place) -> list[Row]:
+def compute(setting: CovAggSetting, place: Place) -> list[Row]:
     """Return a row per pair of a training and a test set: data_set, pair, pss.
 
     References

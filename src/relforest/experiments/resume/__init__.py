@@ -7,7 +7,7 @@ turns the table into findings. The question, the command and the result seen sta
 from __future__ import annotations
 
 from relforest.experiments.resume.analysis import figures, summarize
-from relforest.experiments.resume.run import run
+from relforest.experiments.resume.run import compute
 from relforest.experiments.resume.settings import SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "figures", "run", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]

@@ -30,7 +30,7 @@ _MAY_DIFFER: Final = {"timings.jsonl", _LOCK}
 _PATIENCE: Final = 10.0
 
 
-def run(setting: ResumeSetting, place: Place) -> list[Row]:
+def compute(setting: ResumeSetting, place: Place) -> list[Row]:
     """Return a row per moment.
 
     Its columns are variant, moment, fraction, seconds, alive, iterations, files, differing, identical.
@@ -51,11 +51,11 @@ def run(setting: ResumeSetting, place: Place) -> list[Row]:
         out = folder / f"killed-{moment:02d}"
         fraction = (moment + float(draws[moment, 0])) / setting.moments
         alive = kill_after(command(setting, out, place.seed, setting.jobs), fraction * duration)
-        _await_locks(out)
+        await_locks(out)
         iterations = sum(max(iterations_of(path), 0) for path in _run_folders(setting, out))
         for again in draws[moment, 1:]:
             kill_after(command(setting, out, place.seed, setting.resumed_jobs), float(again) * duration)
-            _await_locks(out)
+            await_locks(out)
         _finish(setting, out, place.seed, setting.resumed_jobs)
         same, different = compare(folder / "uninterrupted", out)
         rows.append(
@@ -111,6 +111,20 @@ def kill_after(words: list[str], seconds: float) -> bool:
     return alive
 
 
+def await_locks(out: Path) -> None:
+    """Wait for killed workers, which end a moment after their parent and hold their locks until then."""
+    limit = time.monotonic() + _PATIENCE
+    for lock in sorted(out.rglob(_LOCK)):
+        while True:
+            try:
+                with FolderLock(lock.parent):
+                    break
+            except RunFolderError:
+                if time.monotonic() > limit:
+                    raise
+                time.sleep(0.02)
+
+
 def compare(folder: Path, other: Path) -> tuple[list[str], list[str]]:
     """Return the names of the files that are the same in two folders, and of those that are not."""
     names = sorted({name for root in (folder, other) for name in _files(root)})
@@ -131,20 +145,6 @@ def _finish(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> None:
         raise RelforestError(
             f"relforest learn failed in {out} with exit status {done.returncode}:\n{done.stderr[-2000:]}"
         )
-
-
-def _await_locks(out: Path) -> None:
-    """Wait for killed workers, which end a moment after their parent and hold their locks until then."""
-    limit = time.monotonic() + _PATIENCE
-    for lock in sorted(out.rglob(_LOCK)):
-        while True:
-            try:
-                with FolderLock(lock.parent):
-                    break
-            except RunFolderError:
-                if time.monotonic() > limit:
-                    raise
-                time.sleep(0.02)
 
 
 def _run_folders(setting: ResumeSetting, out: Path) -> list[Path]:
