@@ -8,6 +8,8 @@ from hypothesis import settings
 
 # Set before anything imports Matplotlib, and inherited by the commands that tests start.
 os.environ["MPLBACKEND"] = "Agg"
+# Set before anything imports SciPy: scikit-learn skips a check of estimators without it.
+os.environ["SCIPY_ARRAY_API"] = "1"
 
 # A kernel's first call compiles it, and the coverage run interprets it, so no deadline can be fair.
 settings.register_profile("relforest", derandomize=True, deadline=None, max_examples=50)

@@ -19,6 +19,7 @@ from relforest.support import files
 from relforest.support.errors import ModelFormatError, RunFolderError
 from relforest.support.locks import FolderLock
 from relforest.worlds.corridor.env import CorridorEnv
+from rl.small_worlds import Picking
 
 QUICK = RPISettings(trees_per_label=1, max_rounds=2, max_scenes=40)
 ITERATIONS, EPISODES = 2, 5
@@ -163,6 +164,12 @@ def test_another_configuration_is_refused(copy: Path, changes: dict[str, Any], m
     with pytest.raises(RunFolderError, match=message):
         learn(copy, **changes)
     assert contents(copy) == before
+
+
+def test_a_run_of_another_world_is_refused(copy: Path) -> None:
+    other = SMRFRPI(Picking(), settings=QUICK, random_state=0, checkpoint=copy)
+    with pytest.raises(RunFolderError, match=r"world\.name \('CorridorEnv' there, 'Picking' here\)"):
+        other.learn(ITERATIONS, EPISODES)
 
 
 def test_a_folder_in_use_is_refused(copy: Path) -> None:

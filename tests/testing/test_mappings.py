@@ -94,7 +94,8 @@ def with_other_attribute(values: Floats, matrix: Floats, rows: Rows) -> Floats:
 
 def from_the_origin(values: Floats, matrix: Floats, rows: Rows) -> Floats:
     # The attribute's columns are 2 and 3.
-    return values + np.linalg.norm(matrix[rows[:, 0], 2:4], axis=1, keepdims=True)
+    length: Floats = np.linalg.norm(matrix[rows[:, 0], 2:4], axis=1, keepdims=True)
+    return values + length
 
 
 def along_the_first_axis(values: Floats, matrix: Floats, rows: Rows) -> Floats:

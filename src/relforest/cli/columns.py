@@ -12,7 +12,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.scenes import Attribute, Scenes, read_table, scene_values
+from relforest.scenes import Attribute, Scenes, Schema, read_table, scene_values
 from relforest.scenes.arrow import ArrowTable
 from relforest.scenes.parquet import arrays_from_table, is_own
 from relforest.scenes.schema import KINDS
@@ -63,6 +63,21 @@ class SceneTable:
     scene_key: str
 
 
+def check_schema(origin: Path, scenes: Scenes, schema: Schema) -> None:
+    """Check that the scenes of a file are of the kind that a tree was learned from.
+
+    Raises
+    ------
+    InputError
+        If they have other attributes or arguments.
+    """
+    if scenes.schema != schema:
+        raise InputError(
+            f"{origin} has scenes with {_described(scenes.schema)}, but the tree is for scenes with "
+            f"{_described(schema)}: give it a file with the same"
+        )
+
+
 def parse_attributes(texts: Sequence[str]) -> tuple[tuple[Attribute, tuple[str, ...]], ...]:
     """Read attributes written as ``location=x,y`` or ``orientation=theta:angle``.
 
@@ -79,7 +94,7 @@ def parse_names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",")) if text.strip() else ()
 
 
-def read_scenes(path: Path, columns: Columns | None) -> SceneTable:
+def read_scenes(path: Path, columns: Columns | None, *, remedy: str) -> SceneTable:
     """Read scenes from a CSV or Parquet file.
 
     Parameters
@@ -87,6 +102,8 @@ def read_scenes(path: Path, columns: Columns | None) -> SceneTable:
     path : path
     columns : Columns, optional
         Not needed for a Parquet file written by `Scenes.to_parquet`, which may have further columns.
+    remedy : str
+        What to do where they are missing and needed, for the message.
 
     Raises
     ------
@@ -106,8 +123,7 @@ def read_scenes(path: Path, columns: Columns | None) -> SceneTable:
                 return own
     if columns is None:
         raise InputError(
-            f"{path} was not written by Scenes.to_parquet: say which columns it has, such as "
-            f"--scene pass --object player --attribute location=x,y (it has {listed(table.column_names)})"
+            f"{path} was not written by Scenes.to_parquet: {remedy} (it has {listed(table.column_names)})"
         )
     scenes = Scenes.from_frame(
         table,
@@ -150,6 +166,14 @@ def listed(values: Sequence[object]) -> str:
     """Return the first few values, for messages."""
     shown = ", ".join(repr(value) for value in values[:8])
     return f"{shown} and {len(values) - 8} more" if len(values) > 8 else shown
+
+
+def _described(schema: Schema) -> str:
+    attributes = ", ".join(
+        f"{attribute.name} ({'angle' if attribute.kind == 'angle' else f'{attribute.dim}-D'})"
+        for attribute in schema.attributes
+    )
+    return f"the attributes {attributes} and the arguments {', '.join(schema.parameters) or '(none)'}"
 
 
 def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:

@@ -56,8 +56,11 @@ def experiment(options: ExperimentOptions) -> int:
     """Run a study as the options say; the exit code is 1 if a bound of a whole study is missed, else 0."""
     from relforest.experiments.registry import STUDIES
     from relforest.experiments.runner import run_study
-    from relforest.support.options import one_of
+    from relforest.support.options import at_least, one_of
 
+    at_least("seed", options.seed, 0)
+    if options.jobs != -1:
+        at_least("jobs", options.jobs, 1)
     if not options.name:
         width = max(map(len, STUDIES))
         for name, listed in STUDIES.items():

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, final
+from typing import TYPE_CHECKING, Annotated, Final, Literal, final
 
 from tyro.conf import Positional, UseAppendAction, arg
 
@@ -18,6 +18,8 @@ from relforest.support.errors import InputError
 if TYPE_CHECKING:
     from relforest.cli.columns import Columns, SceneTable
     from relforest.trees import SMRFTreeClassifier
+
+_REMEDY: Final = "say what its columns are, such as --scene pass --object player --attribute location=x,y"
 
 
 @final
@@ -95,10 +97,13 @@ def fit(options: FitOptions) -> int:
     from relforest.cli.model_file import Model, write_model
     from relforest.metrics import peirce_skill_score
     from relforest.reports import question_points
+    from relforest.support.options import at_least
     from relforest.trees import SMRFTreeClassifier
 
+    at_least("seed", options.seed, 0)
+    at_least("jobs", options.jobs, 1)
     check_free(options.out, force=options.force)
-    source = read_scenes(options.table, _columns(options))
+    source = read_scenes(options.table, _columns(options), remedy=_REMEDY)
     labels = read_labels(source, options.label)
     classifier = SMRFTreeClassifier(
         test=options.test,
@@ -115,11 +120,11 @@ def fit(options: FitOptions) -> int:
     points = question_points(classifier.tree_, source.scenes, positive)
     model = Model(classifier.tree_, options.label, (classes[0], classes[1]), source.columns, points)
     score = peirce_skill_score(labels, classifier.predict(source.scenes), pos_label=classifier.classes_[1])
-    write_model(options.out, model)
     print(classifier.tree_)
     print()
     print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
     print(f"Peirce skill score on the training scenes: {score:.3f}")
+    write_model(options.out, model)
     _comment(options, source, classifier)
     return 0
 

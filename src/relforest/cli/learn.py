@@ -75,7 +75,10 @@ def learn(options: LearnOptions) -> int:
     from relforest.experiments.run_config import RunConfig
     from relforest.experiments.run_metrics import iterations_of
     from relforest.experiments.runs import learn_runs
+    from relforest.support.options import at_least
 
+    if options.jobs != -1:
+        at_least("jobs", options.jobs, 1)
     config = RunConfig(
         options.task,
         episodes=options.episodes,

@@ -55,6 +55,11 @@ class Model:
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
 
     @property
+    def remedy(self) -> str:
+        """What to do with a file whose columns are not known, for messages."""
+        return "the model does not tell the columns of its scenes, so use a file that was"
+
+    @property
     def positive(self) -> str:
         """The positive class in words, such as ``completed = True``."""
         return f"{self.label} = {self.classes[1]}" if self.label else "the positive class"

@@ -57,14 +57,17 @@ class PredictOptions:
 
 def predict(options: PredictOptions) -> int:
     """Predict as the options say; the exit code is 0."""
-    from relforest.cli.columns import read_scenes
+    from relforest.cli.columns import check_schema, read_scenes
     from relforest.cli.model_file import read_model
     from relforest.support.files import write_text
+    from relforest.support.options import at_least
 
+    at_least("jobs", options.jobs, 1)
     if options.out is not None:
         check_free(options.out, force=options.force)
     model = read_model(options.model)
-    scenes = read_scenes(options.table, model.columns).scenes
+    scenes = read_scenes(options.table, model.columns, remedy=model.remedy).scenes
+    check_schema(options.table, scenes, model.tree.schema)
     text = _as_csv(model, scenes, options.jobs)
     if options.out is None:
         print(text, end="")
@@ -76,11 +79,10 @@ def predict(options: PredictOptions) -> int:
 
 def _as_csv(model: Model, scenes: Scenes, n_jobs: int) -> str:
     from relforest.scenes.ids import plain
-    from relforest.support.options import at_least
     from relforest.trees import query
     from relforest.trees.nodes import variable_name
 
-    answers = query(model.tree, scenes, n_jobs=at_least("--jobs", n_jobs, 1))
+    answers = query(model.tree, scenes, n_jobs=n_jobs)
     probabilities = model.tree.leaf_probabilities[answers.leaf]
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")

@@ -16,7 +16,7 @@ from relforest.cli.progress import note
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
-    from relforest.cli.columns import Columns
+    from relforest.cli.model_file import Model
     from relforest.scenes import Scenes
 
 
@@ -69,7 +69,7 @@ def show(options: ShowOptions) -> int:
         check_suffix(options.out)
         check_free(options.out, force=options.force)
     model = read_model(options.model)
-    scene = None if chosen is None else _find_scene(*chosen, model.columns)
+    scene = None if chosen is None else _find_scene(*chosen, model)
     print(model.tree)
     if scene is not None:
         print()
@@ -99,11 +99,12 @@ def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
             raise InputError(f"--scene {' '.join(given)} is not understood: write --scene K of FILE")
 
 
-def _find_scene(key: str, path: Path, columns: Columns | None) -> Scenes:
-    from relforest.cli.columns import listed, read_scenes
+def _find_scene(key: str, path: Path, model: Model) -> Scenes:
+    from relforest.cli.columns import check_schema, listed, read_scenes
     from relforest.scenes.ids import plain
 
-    scenes = read_scenes(path, columns).scenes
+    scenes = read_scenes(path, model.columns, remedy=model.remedy).scenes
+    check_schema(path, scenes, model.tree.schema)
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
     for position, scene_id in enumerate(ids):
         if str(scene_id) == key:

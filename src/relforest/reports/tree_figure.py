@@ -19,7 +19,7 @@ from relforest.reports.page_layout import MARGIN, Page, arrange
 from relforest.reports.question_panel import PANEL_WIDTH, draw_panel, panel_height
 from relforest.reports.question_points import QuestionPoints, question_points
 from relforest.reports.style import GREY, NEGATIVE, POSITIVE, styled
-from relforest.reports.text_size import line_height, text_width
+from relforest.reports.text_size import Weight, line_height, text_width
 from relforest.reports.tree_layout import Layout, lay_out
 from relforest.reports.tree_path import TreePath, tree_path, witness_names
 from relforest.scenes import Scenes
@@ -106,21 +106,24 @@ def _head(tree: Tree, title: str, path: TreePath | None) -> Sequence[tuple[str, 
 
 
 def _size(head: Sequence[tuple[str, float]], *, legend: bool) -> tuple[float, float]:
-    width = max(text_width(text, size) for text, size in head)
+    width = max(text_width(text, size, _weight(size)) for text, size in head)
     return width, sum(line_height(size) for _, size in head) + (_LEGEND_HEIGHT if legend else 0.0)
+
+
+def _weight(size: float) -> Weight:
+    return "bold" if size == _TITLE else "normal"
 
 
 def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *, legend: bool) -> None:
     y = MARGIN
     for text, size in head:
-        weight = "bold" if size == _TITLE else "normal"
         figure.text(
             MARGIN / page.width,
             1 - y / page.height,
             text,
             va="top",
             fontsize=size,
-            fontweight=weight,
+            fontweight=_weight(size),
             parse_math=False,
         )
         y += line_height(size)

@@ -131,7 +131,7 @@ def _window(
             np.minimum(outer[1] + margin, mean + surroundings * half),
         )
         # A volume may be so large that it amounts to an inequality; then its far end is of no interest.
-        huge = half > 2.0 * (outer[1] - outer[0])
+        huge = half > 5.0 * (outer[1] - outer[0])
         low = np.where(huge, around[0], np.minimum(low, around[0]))
         high = np.where(huge, around[1], np.maximum(high, around[1]))
     if witness is not None:

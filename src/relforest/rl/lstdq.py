@@ -47,8 +47,8 @@ class LSTDQ:
         self._owners = [np.flatnonzero(transitions.types == kind) for kind in range(len(features))]
         taken = [phi[transitions.rows[own]] for phi, own in zip(features, self._owners, strict=True)]
         self._used = [np.flatnonzero(phi.any(axis=0)) for phi in taken]
-        self._features = [phi[:, used] for phi, used in zip(features, self._used, strict=True)]
-        self._taken = [phi[:, used] for phi, used in zip(taken, self._used, strict=True)]
+        self._features = [phi.take(used, axis=1) for phi, used in zip(features, self._used, strict=True)]
+        self._taken = [phi.take(used, axis=1) for phi, used in zip(taken, self._used, strict=True)]
         ends = np.cumsum([len(used) for used in self._used])
         self._blocks = [slice(end - len(used), end) for end, used in zip(ends, self._used, strict=True)]
         self._gram = np.zeros((self.n_features, self.n_features))

@@ -268,11 +268,11 @@ class SMRFRPI:
             self._configuration = describe_run(self.env, self.settings, self._seed, (episodes, test_episodes))
             return
         progress, configuration = folder.read()
-        check_world(progress.value, self.env)
         if self._adopts_seed:
             self._seed = restore_run(configuration, folder.path)[0]
         self._configuration = describe_run(self.env, self.settings, self._seed, (episodes, test_episodes))
         check_configuration(configuration, self._configuration, folder.path)
+        check_world(progress.value, self.env)
         folder.repair(progress)
         self._progress = progress
 

@@ -47,11 +47,14 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
     Raises
     ------
     InputError
-        If the number of labels is wrong or there are not exactly two classes.
+        If the number of labels is wrong, one is NaN or infinite, or there are not exactly two classes.
     """
     labels = column_or_1d(y, warn=True)
     if len(labels) != n_expected:
         msg = f"got {len(labels)} labels for {n_expected} {what}: give one label for each"
+        raise InputError(msg)
+    if labels.dtype.kind == "f" and not np.isfinite(labels).all():
+        msg = f"labels hold NaN or infinite values: give each of the {what} one of two classes"
         raise InputError(msg)
     check_classification_targets(labels)
     classes = np.unique(labels)
