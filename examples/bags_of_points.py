@@ -13,5 +13,6 @@ model = rf.CovAggClassifier(random_state=0).fit(train.points, train.labels)
 volume = model.volume_
 print("centre", volume.mean.round(2))
 print("semi-axes", [axis.round(2).tolist() for axis in volume.axes])
-print("Peirce skill score", round(rf.metrics.peirce_skill_score(test.labels, model.predict(test.points)), 2))
+score = rf.metrics.peirce_skill_score(test.labels, model.predict(test.points))
+print(f"Peirce skill score {score:.2f}")
 print("witnesses of the first bags", model.witness(test.points)[:5])

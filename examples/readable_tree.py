@@ -24,5 +24,6 @@ model = rf.SMRFTreeClassifier(random_state=0).fit(scenes, intercepted)
 print(model.tree_)
 
 unseen, truth = scenes_and_labels(600, seed=1)
-print("Peirce skill score on unseen passes:", round(rf.metrics.peirce_skill_score(truth, model.predict(unseen)), 2))
+score = rf.metrics.peirce_skill_score(truth, model.predict(unseen))
+print(f"Peirce skill score on unseen passes: {score:.2f}")
 print(model.explain(unseen.take([0]))[0])

@@ -48,7 +48,7 @@ FORMS: dict[str, Any] = {
     "tuple with scattered ids": scattered(BAGS),
     "tuple with names": (BAGS.reshape(-1, 2), [f"bag {i // SIZE}" for i in range(N_BAGS * SIZE)]),
     "array": BAGS,
-    "integers of single precision": BAGS.astype(np.float32).astype(np.float64),
+    "single precision": BAGS.astype(np.float32),
 }
 
 
@@ -263,6 +263,12 @@ def test_prediction_needs_a_fitted_model_and_points_of_its_space(method: str) ->
         getattr(fitted(), method)(np.zeros((4, 3)))
     with pytest.raises(InputError, match="contains NaN or infinity"):
         getattr(fitted(), method)([[[np.nan, 0.0]]])
+
+
+def test_a_search_without_result_is_a_fault_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("relforest.mil.covagg.aggregate", lambda *_args, **_options: None)
+    with pytest.raises(AssertionError, match="no volume was found although both classes are present"):
+        CovAggClassifier().fit(BAGS, Y)
 
 
 def test_a_failed_fit_leaves_the_model_unfitted() -> None:

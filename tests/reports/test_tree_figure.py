@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
 
 from relforest.reports import question_points, save_figure, tree_figure
@@ -101,11 +100,11 @@ def test_an_undefined_witness_is_not_marked() -> None:
 @pytest.mark.parametrize("tree", [Tree.stub(SCHEMA, LEAF), chain(8), five_questions()], ids=["1", "17", "11"])
 def test_every_text_lies_on_the_page(tree: Tree) -> None:
     figure = tree_figure(tree, SCENES, LABELS, highlight=SCENES.take([0]))
-    canvas, page = FigureCanvasAgg(figure), figure.bbox
-    canvas.draw()
+    figure.draw_without_rendering()
+    page = figure.bbox
 
     for text in [*figure.axes[0].texts, *figure.texts]:
-        box = text.get_window_extent(canvas.get_renderer())
+        box = text.get_window_extent()
         assert page.x0 <= box.x0 < box.x1 <= page.x1
         assert page.y0 <= box.y0 < box.y1 <= page.y1
 

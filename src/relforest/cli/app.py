@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, Final, Union, final
@@ -74,8 +74,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("relforest: interrupted", file=sys.stderr)
         return _INTERRUPTED
     except BrokenPipeError:
-        # Whoever read our output has stopped; Python must not try to flush the rest of it at its exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read our output has stopped; closed, it is not flushed once more when Python exits.
+        with suppress(BrokenPipeError):
+            sys.stdout.close()
         return _BROKEN_PIPE
     except (RelforestError, OSError) as error:
         print(f"relforest: {_in_one_line(error)}", file=sys.stderr)
