@@ -176,7 +176,7 @@ def test_other_leaves() -> None:
     assert changed.leaf_probabilities.tolist() == pytest.approx([0, 0.1, 0.2, 0.3, 0.4])
     assert changed.nodes[:4] == tree.nodes[:4]
     assert tree.leaf_probabilities[0] == 0.9
-    with pytest.raises(ValueError, match="shorter|longer"):
+    with pytest.raises(ValueError, match=r"shorter|longer"):
         tree.with_leaves([leaf(0.5)])
 
 

@@ -47,7 +47,9 @@ def tree_features(tree: Tree, answers: Answers, mode: FeatureMode) -> FloatArray
         - ``"bits"``: the bits alone.
         - ``"probability"``: one column, the probability of the deciding leaf (Palmer (2015), section 5.2.3).
 
-    References ---------- Palmer (2015), section 6.4. A density is taken relative to its peak: the source
+    References
+    ----------
+    Palmer (2015), section 6.4. A density is taken relative to its peak: the source
     leaves the scale open, and a constant factor changes only the weight.
     """
     if mode == "probability":

@@ -95,7 +95,9 @@ def lspi(
         Where to begin: the greedy policy of these weights is evaluated first.
     settings : LSPISettings, optional
 
-    References ---------- Palmer (2015), Algorithm 2.2; Lagoudakis and Parr (2003). The source does not say
+    References
+    ----------
+    Palmer (2015), Algorithm 2.2; Lagoudakis and Parr (2003). The source does not say
     what happens when policies alternate without end; keeping the one with the smallest residual is our
     choice.
     """

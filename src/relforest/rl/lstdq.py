@@ -30,7 +30,9 @@ class LSTDQ:
     max_condition : float
         Largest condition number (from singular values) that A may have, above 1.
 
-    Notes ----- Features that are 0 in every observed pair are cut out and get the weight 0 (section 7.2).
+    Notes
+    -----
+    Features that are 0 in every observed pair are cut out and get the weight 0 (section 7.2).
     What does not depend on the policy, Phi^T Phi and Phi^T r, is computed once.
 
     References

@@ -53,7 +53,9 @@ class GreedyPolicy:
     value : ActionValues
         The action values Q(s, a).
 
-    Notes ----- Equal values are broken at random, so that an agent that has not learned anything (Q = 0
+    Notes
+    -----
+    Equal values are broken at random, so that an agent that has not learned anything (Q = 0
     everywhere) acts at random rather than always taking the first action.
 
     References

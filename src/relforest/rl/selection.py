@@ -50,7 +50,9 @@ class FTest:
 def fit_of(lookahead: Lookahead, n_features: int) -> Fit:
     """Summarise the outcome of LSPI for the test.
 
-    Notes ----- A constant action-value function (nothing learned yet) has standard deviation 0 and so an
+    Notes
+    -----
+    A constant action-value function (nothing learned yet) has standard deviation 0 and so an
     infinite scaled error: the first tree with any fit passes.
     """
     spread = float(lookahead.values.std())
