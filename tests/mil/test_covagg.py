@@ -14,6 +14,7 @@ from sklearn.model_selection import cross_val_score
 
 from relforest import CovAggClassifier
 from relforest.support.errors import InputError
+from relforest.volumes import Ellipsoid
 
 Floats = NDArray[np.float64]
 N_BAGS, SIZE = 24, 3
@@ -132,6 +133,12 @@ def test_a_witness_on_the_boundary_is_inside() -> None:
     assert abs(on_boundary - 1) == pytest.approx(3)
     assert model.decision_function([[[on_boundary]]]) == pytest.approx(0, abs=1e-12)
     assert model.predict([[[3.999]], [[4.001]], [[-1.999]]]).tolist() == [1, 0, 1]
+    # Exactly on it: 3, 4, 5.
+    model = fitted()
+    model.volume_ = Ellipsoid(np.zeros(2), np.eye(2), 5.0, 1, 0.1)
+    assert model.decision_function([[[3.0, 4.0]]]).tolist() == [0]
+    assert model.predict([[[3.0, 4.0]]]).tolist() == [1]
+    assert model.predict_instances([[[3.0, 4.0], [3.0, 4.1]]])[0].tolist() == [True, False]
 
 
 def test_instances_and_witnesses_come_in_the_order_of_the_bags() -> None:

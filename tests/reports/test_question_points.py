@@ -12,7 +12,7 @@ from relforest.reports.question_points import QuestionPoints, question_points
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Leaf, Question, Tree
-from reports.drawn_trees import DISC, chain, five_questions, one_question, scenes_of
+from reports.drawn_trees import DISC, NEAR, chain, five_questions, one_question, scenes_of
 from strategies import scenes_batches
 
 PAIRS = Schema([Attribute("location", 2)])
@@ -86,8 +86,22 @@ def test_too_many_sequences_are_thinned_out(monkeypatch: pytest.MonkeyPatch) -> 
 def test_thinning_keeps_both_classes_and_the_order() -> None:
     points = QuestionPoints(np.arange(10.0)[:, None], np.arange(10) < 8)
 
-    assert points.thinned(3).points[:, 0].tolist() == [0, 4, 7, 8, 9]
-    assert points.thinned(100).points.tolist() == points.points.tolist()
+    # In one dimension what lies inside does not matter: NEAR reaches from -2 to 2.
+    assert points.thinned(3, NEAR).points[:, 0].tolist() == [0, 4, 7, 8, 9]
+    assert points.thinned(100, NEAR).points.tolist() == points.points.tolist()
+
+
+def test_thinning_keeps_a_small_ellipse_from_looking_empty() -> None:
+    # DISC is the ellipse around (1, 0) with half axes 1 and 0.5.
+    outside = [[10.0, float(number)] for number in range(50)]
+    inside = [[1.0, 0.01 * number] for number in range(10)]
+    points = QuestionPoints(np.array(outside + inside), np.ones(60, dtype=bool))
+
+    assert points.thinned(8, DISC).points[:, 0].tolist() == [10.0] * 4 + [1.0] * 4
+    # Fewer inside than their share: the rest goes to those outside, and the other way round.
+    assert points.thinned(30, DISC).points[:, 0].tolist() == [10.0] * 20 + [1.0] * 10
+    few = QuestionPoints(np.array(outside[:1] + inside), np.ones(11, dtype=bool))
+    assert len(few.thinned(8, DISC)) == 8
 
 
 def test_wrong_scenes_and_labels_are_refused() -> None:

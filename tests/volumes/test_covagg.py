@@ -358,6 +358,19 @@ def test_equal_angles_have_a_large_but_finite_concentration() -> None:
     assert found.volume.kappa == pytest.approx(5e8, rel=1e-6)
 
 
+def test_opposite_keys_have_no_mean_direction() -> None:
+    # All is inside around one key; the other one may be tried, but half a turn away it gives no centre.
+    angles, labels = np.array([[0.0], [math.pi]]), np.array([True, True])
+    found = aggregate(angles, np.arange(3), labels, space="circle", rng=np.random.default_rng(0))
+
+    assert found is not None
+    assert found.score == 2
+    # Two start points, and the other key for each of them.
+    assert found.n_models == 4
+    assert found.volume.mean in {0.0, math.pi}
+    assert found.volume.contains(angles).all()
+
+
 def test_more_restarts_and_samples_than_bags_cost_nothing() -> None:
     bags = single([0, 1, 3, 4], [1, 1, 0, 0])
     few = learned(bags, restarts=2, sampled=2)

@@ -86,7 +86,14 @@ def parse_attributes(texts: Sequence[str]) -> tuple[tuple[Attribute, tuple[str, 
     InputError
         If a text has another form, or its parts do not go together.
     """
-    return tuple(map(_parse_attribute, texts))
+    attributes = tuple(map(_parse_attribute, texts))
+    names = [attribute.name for attribute, _ in attributes]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"attribute {name!r} is given twice: give each attribute once, with all its columns"
+            )
+    return attributes
 
 
 def parse_names(text: str) -> tuple[str, ...]:

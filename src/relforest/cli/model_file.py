@@ -84,7 +84,11 @@ def write_model(path: Path, model: Model) -> None:
                 "arguments": list(columns.arguments),
             },
             "tree": model.tree.to_dict(),
-            "points": [_points_to_dict(node, points) for node, points in sorted(model.points.items())],
+            "points": [
+                _points_to_dict(index, node, model.points[index])
+                for index, node in enumerate(model.tree.nodes)
+                if isinstance(node, Question) and index in model.points
+            ],
         },
     )
 
@@ -160,12 +164,12 @@ def _columns(document: Any, tree: Tree) -> Columns | None:  # noqa: ANN401 - not
     )
 
 
-def _points_to_dict(node: int, points: QuestionPoints) -> dict[str, Any]:
-    sample = points.thinned(MOST_POINTS)
+def _points_to_dict(index: int, question: Question, points: QuestionPoints) -> dict[str, Any]:
+    sample = points.thinned(MOST_POINTS, question.volume)
     # Five digits are far more than a picture can show.
     rounded = [[float(f"{value:.5g}") for value in point] for point in sample.points.tolist()]
     return {
-        "node": node,
+        "node": index,
         "positive": [p for p, is_positive in zip(rounded, sample.positive, strict=True) if is_positive],
         "negative": [p for p, is_positive in zip(rounded, sample.positive, strict=True) if not is_positive],
     }

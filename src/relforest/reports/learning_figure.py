@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -137,16 +138,27 @@ def _series_figure(series: Mapping[str, Runs], key: str, ylabel: str, title: str
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(axis="y", color=GREY, alpha=0.2, linewidth=0.6)
         axes.margins(x=0.04)
+        notes = sorted({len(runs) for runs in series.values() if len(runs) > 1})
+        if notes:
+            counts = " or ".join(map(str, notes))
+            _write_above(axes, f"mean and standard deviation of {counts} runs")
         if title:
-            axes.set_title(title, loc="left", parse_math=False)
+            axes.set_title(title, loc="left", pad=18.0 if notes else None, parse_math=False)
         if len(series) > 1:
             legend = axes.legend(lines, list(series), loc="best")
             for text in legend.get_texts():
                 text.set_parse_math(False)
-        notes = sorted({len(runs) for runs in series.values() if len(runs) > 1})
-        if notes:
-            counts = " or ".join(map(str, notes))
-            axes.set_title(
-                f"mean and standard deviation of {counts} runs", loc="right", fontsize=8.0, color=GREY
-            )
     return figure
+
+
+def _write_above(axes: Axes, text: str) -> None:
+    axes.annotate(
+        text,
+        (0.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(0, 4),
+        textcoords="offset points",
+        va="bottom",
+        fontsize=8.0,
+        color=GREY,
+    )

@@ -104,7 +104,8 @@ def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:
         witness = path.witnesses[variable]
         text = f"{letter} = {'no object' if witness is None else witness}"
     elif variable < len(parameters):
-        text = f"{letter}: {parameters[variable]}"
+        named = parameters[variable] != letter
+        text = f"{letter}: {parameters[variable] if named else 'argument'}"
     else:
         text = f"{letter}: any object"
     text = shortened(text, _QUESTION_WIDTH, _TEXT)

@@ -13,6 +13,7 @@ from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Leaf, Question, Tree
 from relforest.trees.sequences import Sequences, argument_places, n_extensions, rows_of
+from relforest.volumes import Volume
 
 MOST_SEQUENCES: Final = 200_000
 
@@ -35,11 +36,18 @@ class QuestionPoints:
         """Return the number of points."""
         return len(self.points)
 
-    def thinned(self, most: int) -> QuestionPoints:
-        """Return at most so many points of either class, evenly spaced in their order."""
-        kept = np.sort(
-            np.concatenate([_spread(np.flatnonzero(self.positive == label), most) for label in (False, True)])
-        )
+    def thinned(self, most: int, volume: Volume) -> QuestionPoints:
+        """Return at most so many points of either class, evenly spaced in their order.
+
+        Of a two-dimensional volume, the points inside are kept first, up to half of the number: a small one
+        among many points would look empty otherwise. In other dimensions points become histograms, in which
+        every point must have the same chance.
+        """
+        inside = np.zeros(len(self), dtype=np.bool_)
+        if volume.dim == 2:
+            inside = volume.contains(self.points)
+        kept = np.concatenate([_chosen(self.positive == label, inside, most) for label in (False, True)])
+        kept.sort()
         return QuestionPoints(self.points[kept], self.positive[kept])
 
 
@@ -114,6 +122,14 @@ def _extended(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64]) -
         kept[_spread(np.arange(len(sequences)), share)] = True
         sequences = sequences.where(kept)
     return sequences.extended(scenes.counts, places)
+
+
+def _chosen(of_class: NDArray[np.bool_], inside: NDArray[np.bool_], most: int) -> NDArray[np.intp]:
+    """Return the indices of at most so many points of a class, those inside first for up to half of them."""
+    within, outside = np.flatnonzero(of_class & inside), np.flatnonzero(of_class & ~inside)
+    share = max(most // 2, most - len(outside))
+    chosen = _spread(within, share)
+    return np.concatenate([chosen, _spread(outside, most - len(chosen))])
 
 
 def _spread(indices: NDArray[np.intp], most: int) -> NDArray[np.intp]:

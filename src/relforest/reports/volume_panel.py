@@ -60,6 +60,8 @@ def draw_volume(
         mean = float(volume.mean[0])
         _draw_interval(axes, (mean - half, mean + half), points, witness)
         axes.axvline(mean, color=_FILL_EDGE, linewidth=1.0, linestyle="--", zorder=1)
+        if mapping.operation == "distance":
+            axes.set_xlim(left=max(0.0, axes.get_xlim()[0]))
         axes.set_xlabel(mapping.name, labelpad=1.0, parse_math=False)
     else:
         scaled = None
@@ -87,7 +89,7 @@ def _draw_ellipse(
     shape = {"xy": center, "width": size[0], "height": size[1], "angle": angle}
     axes.add_patch(Ellipse(**shape, facecolor=_FILL, edgecolor="none", zorder=0.5))
     if points is not None:
-        _scatter(axes, points.thinned(MOST_POINTS))
+        _scatter(axes, points.thinned(MOST_POINTS, volume))
     axes.add_patch(Ellipse(**shape, facecolor="none", edgecolor=_FILL_EDGE, linewidth=1.4, zorder=3))
     for axis in (long, short):
         end = (center[0] + axis[0], center[1] + axis[1])
@@ -197,7 +199,7 @@ def _draw_arc(axes: Axes, volume: Arc, points: QuestionPoints | None, witness: P
     axes.plot([0, math.cos(volume.mean)], [0, math.sin(volume.mean)], color=INK, linewidth=1.2)
     if points is not None:
         for label, color, radii in ((False, NEGATIVE, (0.86, 0.98)), (True, POSITIVE, (1.02, 1.14))):
-            own = points.thinned(MOST_POINTS)
+            own = points.thinned(MOST_POINTS, volume)
             angles = own.points[own.positive == label, 0]
             ends = [np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1) for radius in radii]
             segments = np.stack([*ends, np.full_like(ends[0], np.nan)], axis=1).reshape(-1, 2)

@@ -1,14 +1,15 @@
 from __future__ import annotations
 
-from relforest.experiments.concepts.analysis import cells, figures, summarize
+from relforest.experiments.concepts.analysis import concept_trees, figures, summarize
 from relforest.experiments.concepts.run import SCENES
 from relforest.experiments.concepts.settings import THRESHOLDS, TITLES
 from relforest.experiments.table import Row, Table
 
 
-def row(concept: str, test: str, pss: float, replicate: int = 0) -> Row:
+def row(concept: str, test: str, pss: float, replicate: int = 0, alpha: float = 1e-4) -> Row:
     return {
         "concept": concept,
+        "alpha": alpha,
         "replicate": replicate,
         "test": test,
         "pss": pss,
@@ -23,23 +24,27 @@ TABLE = Table.of(
         row("between", "20 more objects", 0.7),
         row("between", "same", 0.87, replicate=1),
         row("between", "20 more objects", 0.6, replicate=1),
+        row("between", "same", 0.5, alpha=0.05),
         row("yellow", "same", 0.8),
     ]
 )
 
 
-def test_cells_are_concepts_by_kinds_of_test_scenes() -> None:
-    assert [(concept, test, len(own)) for concept, test, own in cells(TABLE)] == [
-        ("between", "same", 2),
-        ("between", "20 more objects", 2),
-        ("yellow", "same", 1),
+def test_trees_are_told_apart_by_concept_test_scenes_and_level() -> None:
+    found = [(trees.concept, trees.test, trees.alpha, len(trees.rows)) for trees in concept_trees(TABLE)]
+
+    assert found == [
+        ("between", "same", 1e-4, 2),
+        ("between", "same", 0.05, 1),
+        ("between", "20 more objects", 1e-4, 2),
+        ("yellow", "same", 1e-4, 1),
     ]
 
 
 def test_means_are_compared_with_the_thresholds_that_exist() -> None:
     claims = summarize(TABLE).claims
 
-    # Between: (.95 + .87) / 2 = .91 >= .9; yellow: .8 < .85; none for an unexpected crowd.
+    # Between: (.95 + .87) / 2 = .91 >= .9; yellow: .8 < .85; none for a crowd, none at .05.
     assert [round(claim.measured, 12) for claim in claims] == [0.91, 0.8]
     assert [(claim.low, claim.is_met) for claim in claims] == [(0.9, True), (0.85, False)]
 
@@ -50,13 +55,15 @@ def test_one_tree_of_each_concept_is_told() -> None:
     assert "Learned for an object between A and B:\ntree 0 of between" in text
     assert "tree 0 of yellow" in text
     assert "tree 1" not in text
-    assert "an object between A and B             same      2     0.910   0.870       0.90" in text
+    told = [line.split() for line in text.splitlines()]
+    expected = ("same", "0.0001", "2", "0.910", "0.870", "0.90", "3.0")
+    assert [*TITLES["between"].split(), *expected] in told
 
 
-def test_the_figure_has_a_line_per_cell() -> None:
+def test_the_figure_has_a_line_per_kind_of_trees() -> None:
     (axes,) = figures(TABLE)["scores.png"].axes
 
-    assert len(axes.get_yticklabels()) == 3
+    assert len(axes.get_yticklabels()) == 4
 
 
 def test_every_threshold_is_about_a_test_that_is_run() -> None:

@@ -23,7 +23,7 @@ def test_scenes_have_the_size_that_their_name_says(concept: str) -> None:
 
 
 def test_a_tree_that_finds_the_concept_carries_over(tmp_path: Path) -> None:
-    setting = ConceptSetting("yellow", 0, 60)
+    setting = ConceptSetting("yellow", 0, 40, alpha=0.05, max_points=300)
     rows = compute(setting, Place(0, 3, tmp_path))
 
     assert [row["test"] for row in rows] == ["same", "15 objects"]

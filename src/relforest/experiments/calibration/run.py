@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.experiments.calibration.settings import ALPHA, CalibrationSetting
+from relforest.experiments.calibration.settings import CalibrationSetting
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.scenes import Attribute, Scenes, Schema
@@ -31,11 +31,14 @@ def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
     for number in range(setting.n_sets):
         scenes, labels = noise(generator(stream(place.stream, number, _DATA)), setting)
         learner = SMRFTreeClassifier(
-            test=setting.test, alpha=ALPHA, random_state=stream(place.stream, number, _LEARNING)
+            test=setting.test,
+            alpha=setting.alpha,
+            permutations=setting.permutations,
+            random_state=stream(place.stream, number, _LEARNING),
         )
         rows.append(
             {
-                "test": setting.test,
+                "test": setting.label,
                 "objects": setting.objects,
                 "scenes": setting.n_scenes,
                 "block": setting.block,

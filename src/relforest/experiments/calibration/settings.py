@@ -11,6 +11,9 @@ LIKELIHOOD_RATIO: Final[Test] = "likelihood-ratio"
 PERMUTATION: Final[Test] = "permutation"
 
 ALPHA: Final = 0.05
+"""The level that a test should keep."""
+STRICT_ALPHA: Final = 1e-4
+"""A nominal level for the likelihood ratio test; see the study ``concepts`` for what it is good for."""
 
 
 @final
@@ -30,6 +33,10 @@ class CalibrationSetting:
         Scene sets.
     n_scenes : int
         Scenes in each set, half of them labelled positive.
+    alpha : float
+        Nominal level of the test.
+    permutations : int
+        Shuffles of the permutation test.
     """
 
     test: Test
@@ -38,6 +45,13 @@ class CalibrationSetting:
     block: int
     n_sets: int = 25
     n_scenes: int = 100
+    alpha: float = ALPHA
+    permutations: int = 99
+
+    @property
+    def label(self) -> str:
+        """The test, with its nominal level where that is not `ALPHA`."""
+        return self.test if self.alpha == ALPHA else f"{self.test} at {self.alpha:g}"
 
     @property
     def objects(self) -> str:
@@ -46,28 +60,26 @@ class CalibrationSetting:
 
     def __str__(self) -> str:
         """Return test, size and block."""
-        return f"{self.test}, scenes of {self.objects}, block {self.block}"
+        return f"{self.label}, scenes of {self.objects}, block {self.block}"
 
 
 N_BLOCKS: Final = 16
 SIZES: Final = ((1, 1), (2, 2), (3, 5), (6, 6))
 """Objects of a scene; the more there are, the more points covariant aggregation may choose from."""
 
-CLAIMED: Final = "3-5"
-"""Objects of the scenes on which the permutation test must lie inside the interval; one claim, because of
-several true ones each would be missed in one study out of twenty."""
-
 # The permutation test repeats the whole search, so it is not tried on the largest size.
-_CELLS: Final[tuple[tuple[Test, int, int], ...]] = (
-    *((LIKELIHOOD_RATIO, *size) for size in SIZES),
-    *((PERMUTATION, *size) for size in SIZES[:-1]),
+_CELLS: Final[tuple[tuple[Test, float, int, int], ...]] = (
+    *((LIKELIHOOD_RATIO, ALPHA, *size) for size in SIZES),
+    *((LIKELIHOOD_RATIO, STRICT_ALPHA, *size) for size in SIZES),
+    *((PERMUTATION, ALPHA, *size) for size in SIZES[:-1]),
 )
 
 SETTINGS: Final = tuple(
-    CalibrationSetting(test, fewest, most, block)
-    for test, fewest, most in _CELLS
+    CalibrationSetting(test, fewest, most, block, alpha=alpha)
+    for test, alpha, fewest, most in _CELLS
     for block in range(N_BLOCKS)
 )
 SMOKE: Final = tuple(
-    CalibrationSetting(test, 3, 5, 0, n_sets=2, n_scenes=16) for test in (LIKELIHOOD_RATIO, PERMUTATION)
+    CalibrationSetting(test, 1, 1, 0, n_sets=2, n_scenes=12, permutations=19)
+    for test in (LIKELIHOOD_RATIO, PERMUTATION)
 )

@@ -23,7 +23,7 @@ from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.scenes import Scenes
-from relforest.support.rng import generator, stream
+from relforest.support.rng import generator, seed_sequence, stream
 from relforest.trees import SMRFTreeClassifier
 
 Labelled: TypeAlias = tuple[Scenes, NDArray[np.bool_]]
@@ -33,21 +33,27 @@ _TRAINING, _TESTING, _LEARNING = 0, 1, 2
 
 
 def compute(setting: ConceptSetting, place: Place) -> list[Row]:
-    """Return a row per kind of test scenes: concept, replicate, test, pss, leaves, tree (in words).
+    """Return a row per kind of test scenes: concept, alpha, replicate, test, pss, leaves, tree (in words).
+
+    Training and test scenes depend on concept and replicate only: levels are compared on the same data.
 
     References
     ----------
     Palmer (2015), section 4.2 and Figure 4.1 (learning relational concepts), section 3.3.3 (the score).
     """
     draw_training, *draw_testing = SCENES[setting.concept]
-    scenes, labels = draw_training[1](generator(stream(place.stream, _TRAINING)), setting.n_scenes)
-    learner = SMRFTreeClassifier(random_state=stream(place.stream, _LEARNING)).fit(scenes, labels)
+    seed = stream(seed_sequence(place.seed), list(SCENES).index(setting.concept), setting.replicate)
+    scenes, labels = draw_training[1](generator(stream(seed, _TRAINING)), setting.n_scenes)
+    learner = SMRFTreeClassifier(
+        alpha=setting.alpha, max_points=setting.max_points, random_state=stream(seed, _LEARNING)
+    ).fit(scenes, labels)
     rows: list[Row] = []
     for number, (test, draw) in enumerate([draw_training, *draw_testing]):
-        new_scenes, truth = draw(generator(stream(place.stream, _TESTING, number)), setting.n_scenes)
+        new_scenes, truth = draw(generator(stream(seed, _TESTING, number)), setting.n_scenes)
         rows.append(
             {
                 "concept": setting.concept,
+                "alpha": setting.alpha,
                 "replicate": setting.replicate,
                 "test": test,
                 "pss": peirce_skill_score(truth, learner.predict(new_scenes)),

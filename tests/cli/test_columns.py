@@ -1,0 +1,232 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from hypothesis import given
+
+from cli.command_lines import N_SCENES, passes, write
+from relforest.cli.columns import (
+    Columns,
+    check_schema,
+    listed,
+    parse_attributes,
+    parse_names,
+    read_labels,
+    read_scenes,
+)
+from relforest.scenes import Attribute, Scenes, Schema
+from relforest.scenes.parquet import to_table
+from relforest.support.errors import InputError, ModelFormatError
+from strategies import assert_same_scenes, scenes_batches
+
+COLUMNS = Columns("pass", "player", ((Attribute("extent"), ("x",)),), ("passer",))
+
+
+def own_file(path: Path, scenes: Scenes, **columns: object) -> Path:
+    """Write scenes as `Scenes.to_parquet` does, with further columns."""
+    table = to_table(scenes.parts)
+    for name, values in columns.items():
+        table = table.append_column(name, pa.array(values))
+    return write(table, path)
+
+
+def small_scenes() -> Scenes:
+    """Two scenes of the same id, with 2 objects and 1 object; an argument in the first."""
+    schema = Schema([Attribute("location", 2), Attribute("orientation")], ["passer"])
+    return Scenes(
+        schema,
+        np.arange(9.0).reshape(3, 3) / 10,
+        np.arange(3),
+        np.array([0, 2]),
+        np.array([2, 1]),
+        np.array([[1], [-1]]),
+        np.array([7, 7]),
+        np.array(["a", "b", "c"], dtype=object),
+    )
+
+
+def test_attributes_are_read_from_their_short_form() -> None:
+    assert parse_attributes(["location=x, y", "heading=theta:angle", "orientation=o", "h=h:euclidean"]) == (
+        (Attribute("location", 2), ("x", "y")),
+        (Attribute("heading", 1, "angle"), ("theta",)),
+        (Attribute("orientation", 1, "angle"), ("o",)),
+        (Attribute("h", 1, "euclidean"), ("h",)),
+    )
+
+
+@pytest.mark.parametrize("text", ["location", "=x", "location=", "location=x,,y", "location=:angle", ""])
+def test_other_forms_are_refused(text: str) -> None:
+    with pytest.raises(InputError, match="is not understood: write NAME=COLUMN"):
+        parse_attributes([text])
+
+
+def test_impossible_kinds_are_refused() -> None:
+    with pytest.raises(InputError, match="unknown kind 'degrees': write one of euclidean, angle"):
+        parse_attributes(["theta=t:degrees"])
+    with pytest.raises(InputError, match="angle with dim 2"):
+        parse_attributes(["theta=s,c:angle"])
+
+
+def test_an_attribute_is_given_once() -> None:
+    with pytest.raises(InputError, match="attribute 'extent' is given twice: give each attribute once"):
+        parse_attributes(["extent=x", "extent=x"])
+
+
+def test_names_are_separated_by_commas() -> None:
+    assert parse_names("passer, receiver") == ("passer", "receiver")
+    assert parse_names(" ") == ()
+
+
+@pytest.mark.parametrize("suffix", ["parquet", "csv"])
+def test_long_tables_are_read_by_their_columns(tmp_path: Path, suffix: str) -> None:
+    source = read_scenes(write(passes(), tmp_path / f"passes.{suffix}"), COLUMNS, remedy="")
+
+    assert len(source.scenes) == N_SCENES
+    assert source.scenes.schema.parameters == ("passer",)
+    assert source.columns == COLUMNS
+    assert read_labels(source, "completed").tolist() == [True, False] * (N_SCENES // 2)
+
+
+def test_long_tables_need_columns(tmp_path: Path) -> None:
+    path = write(passes(), tmp_path / "passes.csv")
+    with pytest.raises(
+        InputError, match=r"passes\.csv was not written by Scenes\.to_parquet: do this \(it has 'pass'"
+    ):
+        read_scenes(path, None, remedy="do this")
+
+
+def test_own_files_need_none_even_with_further_columns(tmp_path: Path) -> None:
+    scenes = small_scenes()
+    path = own_file(tmp_path / "own.parquet", scenes, completed=[True, True, False])
+    source = read_scenes(path, None, remedy="")
+
+    assert_same_scenes(source.scenes, scenes)
+    # The ids are equal, but the labels are still told apart.
+    assert read_labels(source, "completed").tolist() == [True, False]
+    assert source.columns == Columns(
+        "scene",
+        "object",
+        (
+            (Attribute("location", 2), ("location_0", "location_1")),
+            (Attribute("orientation"), ("orientation",)),
+        ),
+        ("passer",),
+    )
+
+
+@given(scenes_batches())
+def test_own_files_come_back_as_they_were(tmp_path_factory: pytest.TempPathFactory, scenes: Scenes) -> None:
+    path = tmp_path_factory.mktemp("own") / "own.parquet"
+    scenes.to_parquet(path)
+
+    assert_same_scenes(read_scenes(path, None, remedy="").scenes, scenes)
+
+
+def test_the_columns_of_an_own_file_lead_to_the_same_scenes(tmp_path: Path) -> None:
+    path = own_file(tmp_path / "own.parquet", small_scenes())
+    columns = read_scenes(path, None, remedy="").columns
+
+    assert_same_scenes(read_scenes(path, columns, remedy="").scenes, small_scenes())
+
+
+def test_an_own_file_can_be_read_by_other_columns(tmp_path: Path) -> None:
+    path = own_file(tmp_path / "own.parquet", small_scenes().take([0]), weight=[1.0, 2.0])
+    other = Columns("scene", "object", ((Attribute("weight"), ("weight",)),))
+
+    assert read_scenes(path, other, remedy="").scenes.values["weight"].tolist() == [[1.0], [2.0]]
+
+
+def test_a_damaged_own_file_is_refused_or_read_by_its_columns(tmp_path: Path) -> None:
+    table = to_table(small_scenes().take([0]).parts).drop_columns(["object_row"])
+    path = write(table, tmp_path / "own.parquet")
+
+    with pytest.raises(ModelFormatError, match="its columns are not those of its schema"):
+        read_scenes(path, None, remedy="")
+    columns = Columns("scene", "object", ((Attribute("orientation"), ("orientation",)),))
+    assert len(read_scenes(path, columns, remedy="").scenes) == 1
+
+
+@pytest.mark.parametrize("metadata", [b"no json", b"[]", b"{}", b'{"columns": 3}', b'{"columns": [1, 2]}'])
+def test_hostile_metadata_is_refused(tmp_path: Path, metadata: bytes) -> None:
+    table = to_table(small_scenes().parts).replace_schema_metadata({b"relforest": metadata})
+    path = write(table, tmp_path / "own.parquet")
+
+    with pytest.raises(ModelFormatError, match=r"own\.parquet"):
+        read_scenes(path, None, remedy="")
+
+
+def test_metadata_may_name_columns_that_are_not_there(tmp_path: Path) -> None:
+    table = to_table(small_scenes().parts)
+    document = json.loads(table.schema.metadata[b"relforest"])
+    document["columns"][0] = "elsewhere"
+    table = table.replace_schema_metadata({b"relforest": json.dumps(document).encode()})
+
+    with pytest.raises(ModelFormatError, match="is damaged"):
+        read_scenes(write(table, tmp_path / "own.parquet"), None, remedy="")
+
+
+@pytest.mark.parametrize(
+    ("pair", "expected"),
+    [
+        ((True, False), [True, False]),
+        ((1, 0), [1, 0]),
+        ((1, -1), [1, -1]),
+        ((1.0, 0.0), [1, 0]),
+        (("yes", "no"), ["yes", "no"]),
+    ],
+)
+def test_labels_are_of_two_classes(
+    tmp_path: Path, pair: tuple[object, object], expected: list[object]
+) -> None:
+    labels = [label for label in pair for _ in range(3)] * (N_SCENES // 2)
+    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="")
+
+    assert read_labels(source, "y")[:2].tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("values", "complaint"),
+    [
+        ([2, 1], r"column 'y' holds the labels 1, 2: labels are booleans, 0 and 1"),
+        ([0.5, 1.5], "holds the labels 0.5, 1.5"),
+        (["a", "b", "c", "d"], "holds the labels 'a', 'b', 'c', 'd'"),
+        ([1], "has the label 1 in all 40 scenes: there must be scenes of both classes"),
+        (["yes"], "has the label 'yes' in all 40 scenes"),
+        ([None, 1], "has no value in scene 100"),
+    ],
+)
+def test_other_labels_are_refused(tmp_path: Path, values: list[object], complaint: str) -> None:
+    labels = [values[scene % len(values)] for scene in range(N_SCENES) for _ in range(3)]
+    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="")
+
+    with pytest.raises(InputError, match=complaint):
+        read_labels(source, "y")
+
+
+def test_labels_are_constant_within_a_scene(tmp_path: Path) -> None:
+    labels = [True] * (N_SCENES * 3 - 1) + [False]
+    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="")
+
+    with pytest.raises(InputError, match="column 'y' has the values True and False in scene 139"):
+        read_labels(source, "y")
+
+
+def test_scenes_of_another_kind_are_described() -> None:
+    schema = Schema([Attribute("weight", 3)])
+    with pytest.raises(
+        InputError,
+        match=r"f.csv has scenes with the attributes location \(2-D\), orientation \(angle\) and the "
+        r"arguments passer, but the tree is for scenes with the attributes weight \(3-D\) and the arguments "
+        r"\(none\)",
+    ):
+        check_schema(Path("f.csv"), small_scenes(), schema)
+    check_schema(Path("f.csv"), small_scenes(), small_scenes().schema)
+
+
+def test_long_lists_are_cut() -> None:
+    assert listed([1, "a"]) == "1, 'a'"
+    assert listed(range(10)) == "0, 1, 2, 3, 4, 5, 6, 7 and 2 more"

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cli.command_lines import CommandLine
+from relforest.experiments import runner
+from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.registry import STUDIES
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Replace the work of every study; returns what it was asked for."""
+    options: dict[str, Any] = {}
+
+    def run_study(study: Any, out: Path, **others: Any) -> Findings:
+        options.update(others, study=study.name, out=out)
+        others["on_progress"](f"{study.name}: 1 of 1 done")
+        return Findings("a table", (Claim("a score", 0.5, low=0.9), Claim("another", 0.5)))
+
+    monkeypatch.setattr(runner, "run_study", run_study)
+    return options
+
+
+def test_studies_are_listed_where_none_is_named(run: CommandLine) -> None:
+    outcome = run("experiment")
+
+    assert (outcome.code, outcome.err) == (0, "")
+    assert [line.split()[0] for line in outcome.out.splitlines()] == list(STUDIES)
+    assert all(study.question in outcome.out for study in STUDIES.values())
+
+
+def test_unknown_studies_are_refused_with_those_there_are(run: CommandLine) -> None:
+    outcome = run("experiment", "covag")
+
+    assert outcome.code == 1
+    assert "must be one of 'covagg', " in outcome.err
+    assert "got 'covag'" in outcome.err
+
+
+def test_a_missed_bound_is_a_failure(run: CommandLine, asked: dict[str, Any], tmp_path: Path) -> None:
+    outcome = run("experiment", "covagg", "--seed", "3", "--jobs", "2", "--out", tmp_path)
+
+    assert outcome.code == 1
+    assert outcome.out.startswith("a table\n\nClaims\nMISSED a score: 0.5")
+    assert "covagg: 1 of 1 done" in outcome.err
+    assert outcome.err.endswith("relforest: 1 of 2 claims missed\n")
+    assert {name: asked[name] for name in ("study", "out", "seed", "n_jobs", "smoke")} == {
+        "study": "covagg",
+        "out": tmp_path,
+        "seed": 3,
+        "n_jobs": 2,
+        "smoke": False,
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "folder"), [((), "runs/concepts"), (("--smoke",), "runs/concepts-smoke")]
+)
+def test_results_go_to_a_folder_of_their_study(
+    run: CommandLine, asked: dict[str, Any], arguments: tuple[str, ...], folder: str
+) -> None:
+    outcome = run("experiment", "concepts", *arguments)
+
+    assert asked["out"] == Path(folder)
+    # The numbers of a smoke run mean nothing, so it cannot fail by them.
+    assert outcome.code == (0 if arguments else 1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--seed", "-1"), "seed must be an integer of at least 0, got -1"),
+        (("--jobs", "0"), "jobs must be an integer of at least 1, got 0"),
+    ],
+)
+def test_bad_options_are_one_clear_line(
+    run: CommandLine, asked: dict[str, Any], arguments: tuple[str, ...], complaint: str
+) -> None:
+    outcome = run("experiment", "covagg", *arguments)
+
+    assert outcome.code == 1
+    assert complaint in outcome.err
+    assert asked == {}

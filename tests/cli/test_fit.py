@@ -1,0 +1,170 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from pyarrow import parquet
+
+from cli.command_lines import COLUMNS, N_SCENES, CommandLine, passes, write
+from relforest.cli.model_file import read_model
+from relforest.scenes import Scenes
+from relforest.trees import growth
+
+
+def test_a_tree_is_learned_told_and_written(run: CommandLine, table: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "tree.json"
+    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--out", out)
+    model = read_model(out)
+
+    assert outcome.code == 0
+    assert outcome.out.startswith(f"{model.tree}\n")
+    assert "that has extent between 0.4" in outcome.out
+    assert (
+        f"probabilities are of completed = True, which {N_SCENES // 2} of {N_SCENES} scenes have"
+        in outcome.out
+    )
+    assert "Peirce skill score on the training scenes: 1.000" in outcome.out
+    assert outcome.err.splitlines()[-1] == f"wrote {out}"
+    assert model.classes == (False, True)
+    assert all(len(points) for points in model.points.values())
+
+
+def test_the_same_seed_gives_the_same_file_from_either_format(
+    run: CommandLine, model: Path, tmp_path: Path
+) -> None:
+    table = write(passes(), tmp_path / "passes.csv")
+    run("fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json", "--seed", "0")
+
+    assert (tmp_path / "tree.json").read_bytes() == model.read_bytes()
+
+
+def test_arguments_are_bound_first(run: CommandLine, table: Path, tmp_path: Path) -> None:
+    out = tmp_path / "tree.json"
+    outcome = run(
+        "fit", table, *COLUMNS, "--arguments", "passer", "--label", "completed", "--out", out, "--jobs", "2"
+    )
+
+    assert outcome.code == 0
+    assert "A is the passer" in outcome.out
+    assert read_model(out).tree.schema.parameters == ("passer",)
+
+
+def test_files_of_scenes_need_only_a_label(run: CommandLine, tmp_path: Path) -> None:
+    frame = passes()
+    scenes = Scenes.from_frame(frame, scene="pass", object="player", attributes={"extent": "x"})
+    scenes.to_parquet(tmp_path / "scenes.parquet")
+    labelled = parquet.read_table(tmp_path / "scenes.parquet").append_column("completed", frame["completed"])
+    path = write(labelled, tmp_path / "labelled.parquet")
+    outcome = run("fit", path, "--label", "completed", "--out", tmp_path / "tree.json")
+
+    assert outcome.code == 0
+    assert "Peirce skill score on the training scenes: 1.000" in outcome.out
+    assert run("predict", tmp_path / "tree.json", tmp_path / "scenes.parquet").code == 0
+
+
+def test_noise_gives_a_stub_and_says_so(run: CommandLine, tmp_path: Path) -> None:
+    table = write(passes(x=[0.5] * (3 * N_SCENES)), tmp_path / "noise.parquet")
+    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json")
+
+    assert outcome.code == 0
+    assert "SMRF tree with 0 questions and 1 leaf" in outcome.out
+    assert "no question proved itself at alpha = 0.05 on 40 scenes" in outcome.err
+    assert read_model(tmp_path / "tree.json").points == {}
+
+
+def test_questions_that_were_left_out_are_told(
+    run: CommandLine, table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(growth, "prepare", lambda *_: ([], 3))
+    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json")
+
+    assert "3 possible questions were left out, because they would see more than" in outcome.err
+
+
+def test_an_existing_model_is_replaced_only_on_demand(run: CommandLine, table: Path, tmp_path: Path) -> None:
+    out = tmp_path / "tree.json"
+    out.write_text("precious")
+    command = ("fit", table, *COLUMNS, "--label", "completed", "--out", out)
+
+    assert "exists already" in run(*command).err
+    assert out.read_text() == "precious"
+    assert run(*command, "--force").code == 0
+    assert json.loads(out.read_text("utf-8"))["label"] == "completed"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (
+            ("--label", "completed"),
+            "passes.parquet was not written by Scenes.to_parquet: say what its columns are",
+        ),
+        (("--scene", "pass", "--label", "completed"), "--attribute NAME=COLUMN,... is missing"),
+        (("--attribute", "extent=x", "--label", "completed"), "--scene COLUMN is missing"),
+        (("--object", "player", "--label", "completed"), "--scene COLUMN is missing"),
+        ((*COLUMNS, "--label", "done"), "no column 'done' in the table: it has 'pass', 'player', 'x'"),
+        ((*COLUMNS, "--label", "player"), "column 'player' has the values 'p0' and 'p1' in scene 100"),
+        ((*COLUMNS, "--label", "passer"), "has the label 'p0' in all 40 scenes"),
+        (("--scene", "pas", *COLUMNS[2:], "--label", "completed"), "no column 'pas' in the table"),
+        ((*COLUMNS, "--attribute", "weight=w", "--label", "completed"), "no column 'w' in the table"),
+        ((*COLUMNS, "--attribute", "name=player", "--label", "completed"), "which is not a number"),
+        ((*COLUMNS, "--attribute", "extent=x", "--label", "completed"), "attribute 'extent' is given twice"),
+        ((*COLUMNS, "--attribute", "location", "--label", "completed"), "'location' is not understood"),
+        ((*COLUMNS, "--arguments", "receiver", "--label", "completed"), "no column 'receiver'"),
+        ((*COLUMNS, "--arguments", "completed", "--label", "completed"), "column 'completed' holds bool"),
+        ((*COLUMNS, "--label", "completed", "--alpha", "0"), "alpha must be a number above 0 and below 1"),
+        ((*COLUMNS, "--label", "completed", "--attempts", "-1"), "attempts must be an integer of at least 1"),
+        (
+            (*COLUMNS, "--label", "completed", "--permutations", "0"),
+            "permutations must be an integer of at least 1",
+        ),
+        ((*COLUMNS, "--label", "completed", "--seed", "-1"), "seed must be an integer of at least 0, got -1"),
+        ((*COLUMNS, "--label", "completed", "--jobs", "0"), "jobs must be an integer of at least 1, got 0"),
+        (
+            (*COLUMNS, "--label", "completed", "--test", "permutation", "--alpha", "0.001"),
+            "permutations=99 can never reach alpha=0.001: use at least 999",
+        ),
+    ],
+)
+def test_bad_options_and_data_are_one_clear_line(
+    run: CommandLine, table: Path, tmp_path: Path, arguments: tuple[str, ...], complaint: str
+) -> None:
+    outcome = run("fit", table, *arguments, "--out", tmp_path / "tree.json")
+
+    assert outcome.code == 1
+    assert outcome.out == ""
+    (line,) = outcome.err.splitlines()
+    assert line.startswith("relforest: ")
+    assert complaint in line
+    assert not (tmp_path / "tree.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "complaint"),
+    [
+        ("none.parquet", None, "there is no file"),
+        ("passes.txt", b"x", "has the suffix '.txt'"),
+        ("broken.parquet", b"PAR1 and then nothing", "is not a readable Parquet file"),
+        ("broken.csv", b"a,b\n1,2,3\n", "is not a readable CSV file"),
+        ("empty.csv", b"pass,player,x,completed\n", "the table has no rows"),
+    ],
+)
+def test_unreadable_tables_are_one_clear_line(
+    run: CommandLine, tmp_path: Path, name: str, content: bytes | None, complaint: str
+) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    outcome = run("fit", tmp_path / name, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json")
+
+    assert outcome.code == 1
+    assert complaint in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
+def test_duplicate_objects_are_named(run: CommandLine, tmp_path: Path) -> None:
+    table = write(passes(player=["p0"] * (3 * N_SCENES)), tmp_path / "t.parquet")
+    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json")
+
+    assert outcome.code == 1
+    assert "object 'p0' occurs twice in scene 100" in outcome.err

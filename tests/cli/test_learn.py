@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cli.command_lines import CommandLine
+
+SMALL = ("--episodes", "4", "--test-episodes", "2", "--iterations", "1")
+
+
+def test_a_run_is_learned_told_and_drawn(run: CommandLine, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    outcome = run("learn", "corridor", *SMALL, "--out", out)
+    rows = [json.loads(line) for line in (out / "metrics.jsonl").read_text("utf-8").splitlines()]
+
+    assert outcome.code == 0
+    lines = outcome.err.splitlines()
+    assert lines[0] == f"learning corridor in {out}: 1 iterations"
+    assert [line.split(":")[0] for line in lines[1:]] == ["iteration 0", "iteration 1"]
+    assert f"test reward {rows[1]['test_reward']:.3f}, {rows[1]['trees']} trees" in lines[2]
+    assert lines[2].endswith(" s")
+    assert outcome.out.startswith("iteration  test reward")
+    assert "left: " in outcome.out
+    assert outcome.out.endswith(
+        f"run folder: {out}\npicture: {out / 'q-function.png'}\npicture: {out / 'reward.png'}\n"
+    )
+
+
+def test_a_finished_run_is_told_again_unchanged(run: CommandLine, tmp_path: Path) -> None:
+    command = ("learn", "corridor", *SMALL, "--out", tmp_path / "run")
+    first = run(*command)
+    before = (tmp_path / "run" / "checkpoint.json").read_bytes()
+    second = run(*command)
+
+    assert (second.code, second.out) == (0, first.out)
+    assert len(second.err.splitlines()) == 1
+    assert (tmp_path / "run" / "checkpoint.json").read_bytes() == before
+
+
+def test_several_runs_are_summarised(run: CommandLine, tmp_path: Path) -> None:
+    out = tmp_path / "runs"
+    outcome = run("learn", "corridor", *SMALL, "--runs", "2", "--features", "bits", "--out", out)
+
+    assert outcome.code == 0
+    assert outcome.out.startswith("mean (standard deviation) of 2 runs\niteration")
+    assert "\nfirst run\n" in outcome.out
+    assert "run 1, iteration 1: test reward" in outcome.err
+    assert (out / "run-01" / "metrics.jsonl").exists()
+    assert (out / "reward.png").exists()
+
+
+def test_runs_go_to_a_folder_of_their_task(
+    run: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    assert run("learn", "corridor", *SMALL).code == 0
+    assert (tmp_path / "runs" / "corridor" / "metrics.jsonl").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("maze",), "task must be one of 'corridor'"),
+        (("corridor", "--episodes", "0"), "episodes must be an integer of at least 1, got 0"),
+        (("corridor", "--iterations", "-1"), "iterations must be an integer of at least 1, got -1"),
+        (("corridor", "--runs", "0"), "runs must be an integer of at least 1, got 0"),
+        (("corridor", "--test-episodes", "0"), "test_episodes must be an integer of at least 1, got 0"),
+        (("corridor", "--seed", "-3"), "seed must be an integer of at least 0, got -3"),
+        (("corridor", "--jobs", "0"), "jobs must be an integer of at least 1, got 0"),
+        (("corridor", "--jobs", "-2"), "jobs must be an integer of at least 1, got -2"),
+    ],
+)
+def test_bad_options_are_one_clear_line(
+    run: CommandLine, tmp_path: Path, arguments: tuple[str, ...], complaint: str
+) -> None:
+    outcome = run("learn", *arguments, "--out", tmp_path / "run")
+
+    assert (outcome.code, outcome.out) == (1, "")
+    assert complaint in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_folders_of_other_work_are_left_alone(run: CommandLine, tmp_path: Path) -> None:
+    (tmp_path / "thesis.txt").write_text("precious")
+    outcome = run("learn", "corridor", *SMALL, "--out", tmp_path)
+
+    assert outcome.code == 1
+    assert "it holds 'thesis.txt'" in outcome.err
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+def test_runs_of_another_configuration_are_left_alone(run: CommandLine, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    run("learn", "corridor", *SMALL, "--out", out)
+    outcome = run("learn", "corridor", *SMALL, "--seed", "1", "--out", out)
+
+    assert outcome.code == 1
+    assert "seed (0 there, 1 here)" in outcome.err

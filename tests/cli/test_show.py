@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cli.command_lines import CommandLine
+from relforest.cli.model_file import read_model
+from reports.drawn_trees import one_question, scenes_of
+
+
+def test_a_tree_is_told_in_words(run: CommandLine, model: Path) -> None:
+    outcome = run("show", model)
+
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out == f"{read_model(model).tree}\n"
+
+
+@pytest.mark.parametrize("arguments", [("--scene", "100", "of"), ("--scene", "100", "--of")])
+def test_the_way_of_a_scene_is_told(
+    run: CommandLine, model: Path, table: Path, arguments: tuple[str, ...]
+) -> None:
+    outcome = run("show", model, *arguments, table)
+    told = outcome.out.removeprefix(f"{read_model(model).tree}\n\n")
+
+    assert outcome.code == 0
+    assert told.startswith("scene 100: probability 1.00, leaf 0\n    A = p2\n")
+    assert "? yes\n" in told
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".png", b"\x89PNG\r\n\x1a\n"), (".svg", b'<?xml version="1.0"')]
+)
+def test_a_tree_is_drawn_on_demand(
+    run: CommandLine, model: Path, table: Path, tmp_path: Path, suffix: str, start: bytes
+) -> None:
+    plain, marked = tmp_path / f"tree{suffix}", tmp_path / f"scene{suffix}"
+    outcome = run("show", model, "--out", plain)
+    run("show", model, "--out", marked, "--scene", "101", "of", table)
+
+    assert outcome.err == f"wrote {plain}\n"
+    assert plain.read_bytes().startswith(start)
+    assert plain.read_bytes() != marked.read_bytes()
+
+
+def test_trees_of_a_run_folder_can_be_shown(run: CommandLine, tmp_path: Path) -> None:
+    (tmp_path / "tree.json").write_text(json.dumps(one_question().to_dict()))
+    scenes_of([[0, 0], [1, 0]]).to_parquet(tmp_path / "scenes.parquet")
+    outcome = run(
+        "show", tmp_path / "tree.json", "--scene", "scene 0", "of", tmp_path / "scenes.parquet",
+        "--out", tmp_path / "tree.svg",
+    )  # fmt: skip
+
+    assert outcome.code == 0
+    assert "A (passer) = a0" in outcome.out
+    assert (tmp_path / "tree.svg").exists()
+
+
+def test_pictures_are_replaced_only_on_demand(run: CommandLine, model: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "tree.svg"
+    picture.write_text("precious")
+
+    assert "exists already" in run("show", model, "--out", picture).err
+    assert picture.read_text() == "precious"
+    assert run("show", model, "--out", picture, "--force").code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--out", "tree.pdf"), "tree.pdf has the suffix '.pdf': pictures are written as .png or .svg"),
+        (("--scene", "100"), "the file of scene '100' is missing: write --scene 100 of FILE"),
+        (("--of", "passes.csv"), "name the scene too, with --scene K"),
+        (("--scene", "100", "in", "passes.csv"), "--scene 100 in passes.csv is not understood"),
+        (("--scene", "100", "of", "a.csv", "--of", "b.csv"), "is not understood: write --scene K of FILE"),
+        (("--scene", "100", "of"), "is not understood: write --scene K of FILE"),
+        (("--scene", "100", "of", "none.csv"), "there is no file none.csv"),
+    ],
+)
+def test_bad_options_are_one_clear_line(
+    run: CommandLine, model: Path, arguments: tuple[str, ...], complaint: str
+) -> None:
+    outcome = run("show", model, *arguments)
+
+    assert (outcome.code, outcome.out) == (1, "")
+    assert complaint in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
+def test_unknown_scenes_are_refused_with_those_there_are(run: CommandLine, model: Path, table: Path) -> None:
+    outcome = run("show", model, "--scene", "99", "of", table)
+
+    assert "passes.parquet has no scene '99': it has 100, 101" in outcome.err
+    assert "and 32 more" in outcome.err
+
+
+def test_scenes_of_another_kind_are_refused(run: CommandLine, tmp_path: Path, model: Path) -> None:
+    (tmp_path / "tree.json").write_text(json.dumps(read_model(model).tree.to_dict()))
+    scenes_of([[0, 0]]).to_parquet(tmp_path / "scenes.parquet")
+    outcome = run("show", tmp_path / "tree.json", "--scene", "scene 0", "of", tmp_path / "scenes.parquet")
+
+    assert "but the tree is for scenes with the attributes extent (1-D)" in outcome.err
