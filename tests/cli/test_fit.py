@@ -168,3 +168,21 @@ def test_duplicate_objects_are_named(run: CommandLine, tmp_path: Path) -> None:
 
     assert outcome.code == 1
     assert "object 'p0' occurs twice in scene 100" in outcome.err
+
+
+def test_the_positive_class_can_be_named(run: CommandLine, table: Path, tmp_path: Path) -> None:
+    out = tmp_path / "tree.json"
+    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "False", "--out", out)
+
+    assert outcome.code == 0
+    assert "probabilities are of completed = False" in outcome.out
+    assert read_model(out).classes == (True, False)
+
+
+def test_an_unknown_positive_class_is_an_error(run: CommandLine, table: Path, tmp_path: Path) -> None:
+    out = tmp_path / "tree.json"
+    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "maybe", "--out", out)
+
+    assert outcome.code == 1
+    assert "--positive maybe is no label in the column 'completed': use False or True" in outcome.err
+    assert not out.exists()

@@ -210,7 +210,6 @@ def test_a_tree_in_words() -> None:
         f"        error: there is a D that has location {FLAT_SAID}?",
         "            yes: 0.80  (0 of 0 scenes positive)",
         "            no: 0.20  (0 of 0 scenes positive)",
-        "            error: 0.10  (0 of 0 scenes positive)",
         "    no: 0.05  (1 of 21 scenes positive)",
         "    error: 0.00  (0 of 1 scene positive)",
     ]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal, final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
 from tyro.conf import Positional, UseAppendAction, arg
 
@@ -16,7 +16,10 @@ from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from relforest.cli.columns import Columns, SceneTable
+    from relforest.cli.model_file import Label
     from relforest.trees import SMRFTreeClassifier
 
 _REMEDY: Final = "say what its columns are, such as --scene pass --object player --attribute location=x,y"
@@ -28,8 +31,9 @@ class FitOptions:
     r"""Learn a tree from a table of labelled scenes, print it in words, and write it to a model file.
 
     The table is long: one row per object, with columns that say which scene and which object it is. The label
-    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings, of which the one
-    sorted last is the positive class. Empty cells are undefined attributes.
+    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings. The tree states
+    what exists in scenes of the positive class, which is the label sorted last unless --positive names the
+    other. Empty cells are undefined attributes.
 
     For example:
       relforest fit passes.parquet --scene pass --object player \
@@ -45,6 +49,9 @@ class FitOptions:
         Parquet or CSV file.
     label
         Column of the labels.
+    positive
+        The label whose scenes the tree is about, such as False if it is failures that have a cause to be
+        found.
     out
         Model file to write (JSON). Besides the tree it holds the names of the columns and, for the drawings
         of relforest show, up to 150 training points of either class for each question.
@@ -82,9 +89,10 @@ class FitOptions:
     object: Annotated[str | None, arg(metavar="COLUMN", help_behavior_hint="")] = None
     attribute: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN[,COLUMN...]")] = ()
     arguments: Annotated[str, arg(metavar="COLUMN[,COLUMN...]", help_behavior_hint="")] = ""
+    positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
     test: Literal["likelihood-ratio", "permutation"] = "likelihood-ratio"
     alpha: float = 0.05
-    attempts: int = 1
+    attempts: int = 3
     permutations: int = 99
     seed: int = 0
     jobs: int = 1
@@ -105,6 +113,8 @@ def fit(options: FitOptions) -> int:
     check_free(options.out, force=options.force)
     source = read_scenes(options.table, _columns(options), remedy=_REMEDY)
     labels = read_labels(source, options.label)
+    classes = _classes(labels, options)
+    positive = labels == classes[1]
     classifier = SMRFTreeClassifier(
         test=options.test,
         alpha=options.alpha,
@@ -114,12 +124,10 @@ def fit(options: FitOptions) -> int:
         n_jobs=options.jobs,
     )
     with working(f"learning from {len(source.scenes)} scenes"):
-        classifier.fit(source.scenes, labels)
-    classes = classifier.classes_.tolist()
-    positive = labels == classifier.classes_[1]
+        classifier.fit(source.scenes, positive)
     points = question_points(classifier.tree_, source.scenes, positive)
-    model = Model(classifier.tree_, options.label, (classes[0], classes[1]), source.columns, points)
-    score = peirce_skill_score(labels, classifier.predict(source.scenes), pos_label=classifier.classes_[1])
+    model = Model(classifier.tree_, options.label, classes, source.columns, points)
+    score = peirce_skill_score(positive, classifier.predict(source.scenes))
     print(classifier.tree_)
     print()
     print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
@@ -127,6 +135,20 @@ def fit(options: FitOptions) -> int:
     write_model(options.out, model)
     _comment(options, source, classifier)
     return 0
+
+
+def _classes(labels: NDArray[Any], options: FitOptions) -> tuple[Label, Label]:
+    """Return the negative and the positive class."""
+    from relforest.scenes.labels import binary_labels
+
+    first, second = binary_labels(labels, len(labels), what="scenes").classes.tolist()
+    if options.positive is None or options.positive == str(second):
+        return first, second
+    if options.positive == str(first):
+        return second, first
+    raise InputError(
+        f"--positive {options.positive} is no label in the column {options.label!r}: use {first} or {second}"
+    )
 
 
 def _columns(options: FitOptions) -> Columns | None:

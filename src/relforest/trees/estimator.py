@@ -111,7 +111,6 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     there are A and B such that B is between 0.199 and 3.07 from A?
         yes: 1.00  (36 of 36 scenes positive)
         no: 0.00  (0 of 24 scenes positive)
-        error: 0.00  (0 of 0 scenes positive)
     """
 
     def __init__(

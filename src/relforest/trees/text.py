@@ -57,7 +57,10 @@ def sentence(question: Question, fresh: tuple[int, ...] = ()) -> str:
 
 
 def describe(schema: Schema, nodes: tuple[Node, ...]) -> str:
-    """A whole tree: one line per binding, question and leaf."""
+    """A whole tree: one line per question and leaf.
+
+    Error leaves that decided no training scene are left out, since they have nothing to tell.
+    """
     n_questions = sum(isinstance(node, Question) for node in nodes)
     n_leaves = sum(isinstance(node, Leaf) for node in nodes)
     title = f"SMRF tree with {_counted(n_questions, 'question')} and {_counted(n_leaves, 'leaf', 'leaves')}"
@@ -95,8 +98,16 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
         where = f"{', '.join(given)}; " if given else ""
         yield f"{margin}{label}{where}{text}?"
         answers = zip(ANSWERS, (node.yes, node.no, node.error), strict=True)
-        following = [(child, n_bound + n_new, indent + 1, f"{answer}: ") for answer, child in answers]
+        following = [
+            (child, n_bound + n_new, indent + 1, f"{answer}: ")
+            for answer, child in answers
+            if answer != "error" or not _is_untried(nodes[child])
+        ]
         stack.extend(reversed(following))
+
+
+def _is_untried(node: Node) -> bool:
+    return isinstance(node, Leaf) and node.negatives + node.positives == 0
 
 
 def _statement(question: Question, names: list[str]) -> tuple[str, tuple[str, str]]:
