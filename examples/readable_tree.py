@@ -20,7 +20,7 @@ def scenes_and_labels(n_passes: int, seed: int) -> tuple[rf.Scenes, list[bool]]:
 
 
 scenes, intercepted = scenes_and_labels(600, seed=0)
-model = rf.SMRFTreeClassifier(random_state=0).fit(scenes, intercepted)
+model = rf.SMRFTreeClassifier(alpha=0.001, random_state=0).fit(scenes, intercepted)
 print(model.tree_)
 
 unseen, truth = scenes_and_labels(600, seed=1)

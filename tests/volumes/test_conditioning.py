@@ -29,6 +29,7 @@ def spectra(rng: np.random.Generator, dim: int) -> Iterator[Floats]:
     yield np.append(np.zeros(dim - 1), 1.0)
     yield np.append(np.ones(dim - 1), 0.0)
     yield 1e-60 * rng.uniform(1, 2, size=dim)
+    yield 1e-90 * np.append(np.zeros(dim - 1), 1.5)
     yield 1e60 * rng.uniform(1, 2, size=dim)
 
 

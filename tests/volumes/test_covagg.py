@@ -390,7 +390,16 @@ EXTREME_OPTIONS: list[dict[str, Any]] = [
 @pytest.mark.parametrize("dim", [1, 2, 3, 4])
 @pytest.mark.parametrize(
     ("positive", "negative"),
-    [(1e-160, 1.0), (1e-40, 1.0), (1e30, 1e30), (1.0, 1e30), (1e-50, 1e30), (0.0, 1e-300)],
+    [
+        (1e-160, 1.0),
+        (1e-45, 1e-45),
+        (4e-45, 1.0),
+        (1e-40, 1.0),
+        (1e30, 1e30),
+        (1.0, 1e30),
+        (1e-50, 1e30),
+        (0.0, 1e-300),
+    ],
 )
 def test_extreme_values_are_harmless(dim: int, positive: float, negative: float) -> None:
     points = np.zeros((5, dim))

@@ -11,6 +11,7 @@ from relforest.reports.figure_files import save_figure
 from relforest.reports.learning_figure import reward_figure
 from relforest.rl.checkpoint import CHECKPOINT
 from relforest.rl.rpi import SMRFRPI
+from relforest.support.parallel import one_blas_thread
 
 Q_FUNCTION: Final = "q-function.png"
 REWARD: Final = "reward.png"
@@ -44,7 +45,9 @@ def draw_runs(config: RunConfig, out: Path) -> list[Path]:
         pictures.append(out / Q_FUNCTION)
         if _is_stale(out / Q_FUNCTION, folders[:1]):
             agent = SMRFRPI.load(folders[0], task.make())
-            save_figure(task.draw_values(agent), out / Q_FUNCTION)
+            with one_blas_thread():
+                figure = task.draw_values(agent)
+            save_figure(figure, out / Q_FUNCTION)
     return pictures
 
 

@@ -55,7 +55,8 @@ def _extreme_eigenvalues_3(matrix: NDArray[np.float64]) -> tuple[float, float]:
     a, b, c = matrix[0, 0] - centre, matrix[1, 1] - centre, matrix[2, 2] - centre
     d, e, f = matrix[0, 1], matrix[0, 2], matrix[1, 2]
     spread = math.sqrt((a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f)) / 6.0)
-    if spread < _NEGLIGIBLE:
+    # All equal, or so small that its cube would vanish, far below what counts as a covariance.
+    if spread < 1e-10 * _NEGLIGIBLE:
         return centre, centre
     determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
     angle = math.acos(min(1.0, max(-1.0, determinant / (2.0 * spread**3)))) / 3.0

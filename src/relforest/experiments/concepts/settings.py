@@ -30,7 +30,7 @@ class ConceptSetting:
     replicate: int
     n_scenes: int = 500
     alpha: float = 1e-4
-    max_points: int = 500_000
+    max_points: int = 100_000
 
     def __str__(self) -> str:
         """Return the title of the concept, the level and the number of the seed."""
