@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import inspect
 import os
+from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
-from relforest.support.jit import kernel
+from relforest.support.jit import _cache_folder, kernel
 
 
 @kernel
@@ -29,3 +31,31 @@ def test_a_kernel_keeps_its_name_and_documentation() -> None:
 )
 def test_a_compiled_kernel_divides_by_zero_like_numpy() -> None:
     assert ratio(1.0, 0.0) == np.inf
+
+
+def test_a_change_anywhere_in_the_package_starts_a_new_cache(tmp_path: Path) -> None:
+    (tmp_path / "caller.py").write_text("from callee import f", encoding="utf-8")
+    (tmp_path / "callee.py").write_text("f = 1", encoding="utf-8")
+    before = _cache_folder(tmp_path)
+
+    assert _cache_folder(tmp_path) == before
+    (tmp_path / "callee.py").write_text("f = 2", encoding="utf-8")
+    assert _cache_folder(tmp_path) != before
+
+
+def test_the_cache_goes_where_numba_is_told_to_keep_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "elsewhere"))
+
+    assert Path(_cache_folder(tmp_path)).parent == tmp_path / "elsewhere"
+
+
+def test_a_package_that_cannot_be_written_to_has_its_cache_at_home(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+    assert Path(_cache_folder(tmp_path)).parent == tmp_path / "cache" / "relforest"

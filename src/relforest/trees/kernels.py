@@ -150,26 +150,24 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
         while depth > 0:
             variable = depth - 1
             above, place = state[_NODE, variable], state[_CURSOR, variable]
-            found = False
-            if nodes[above, RANK] <= best_rank:
-                found = place < 0
-                if variable < len(arguments):
-                    state[BOUND, variable] = arguments[variable]
-                    state[_CURSOR, variable] = 0
-                else:
+            found = place < 0
+            if variable < len(arguments):
+                state[BOUND, variable] = arguments[variable]
+                state[_CURSOR, variable] = 0
+            else:
+                place += 1
+                while place < len(objects):
+                    repeated = False
+                    for earlier in range(variable):
+                        repeated |= state[BOUND, earlier] == objects[place]
+                    if not repeated:
+                        break
                     place += 1
-                    while place < len(objects):
-                        repeated = False
-                        for earlier in range(variable):
-                            repeated |= state[BOUND, earlier] == objects[place]
-                        if not repeated:
-                            break
-                        place += 1
-                    state[BOUND, variable] = -1
-                    state[_CURSOR, variable] = place
-                    if place < len(objects):
-                        state[BOUND, variable] = objects[place]
-                        found = True
+                state[BOUND, variable] = -1
+                state[_CURSOR, variable] = place
+                if place < len(objects):
+                    state[BOUND, variable] = objects[place]
+                    found = True
             if found:
                 node, asked = nodes[above, CHILDREN], state[_ASKED, variable]
                 total = floats[_TOTAL, variable]

@@ -29,6 +29,7 @@ _SORTED: Final = 2
 _BEHIND: Final = 0
 _HOPED: Final = 1
 _NEGATIVES: Final = 2**32 - 1
+_MANY: Final = 64
 
 
 @kernel
@@ -185,6 +186,15 @@ def _sort_bucket(k: int, squared: NDArray[np.float64], buckets: Buckets) -> int:
     """Bags of bucket k by distance into ``buckets.bags[_SORTED]``; how many there are."""
     count = 0
     bag = buckets.heads[k]
+    if (buckets.counts[k] >> 32) + (buckets.counts[k] & _NEGATIVES) > _MANY:
+        # An outlier far beyond all others can leave everything in one bucket.
+        while bag >= 0:
+            buckets.bags[_SORTED, count] = bag
+            count += 1
+            bag = buckets.bags[_NEXT, bag]
+        members = buckets.bags[_SORTED, :count]
+        members[:] = members[np.argsort(squared[members])]
+        return count
     while bag >= 0:
         place = count
         while place > 0 and squared[buckets.bags[_SORTED, place - 1]] > squared[bag]:

@@ -6,7 +6,7 @@ from relforest.experiments.concepts.settings import THRESHOLDS, TITLES
 from relforest.experiments.table import Row, Table
 
 
-def row(concept: str, test: str, pss: float, replicate: int = 0, alpha: float = 1e-4) -> Row:
+def row(concept: str, test: str, pss: float, replicate: int = 0, alpha: float = 1e-3) -> Row:
     return {
         "concept": concept,
         "alpha": alpha,
@@ -34,10 +34,10 @@ def test_trees_are_told_apart_by_concept_test_scenes_and_level() -> None:
     found = [(trees.concept, trees.test, trees.alpha, len(trees.rows)) for trees in concept_trees(TABLE)]
 
     assert found == [
-        ("between", "same", 1e-4, 2),
+        ("between", "same", 1e-3, 2),
         ("between", "same", 0.05, 1),
-        ("between", "20 more objects", 1e-4, 2),
-        ("yellow", "same", 1e-4, 1),
+        ("between", "20 more objects", 1e-3, 2),
+        ("yellow", "same", 1e-3, 1),
     ]
 
 
@@ -56,7 +56,7 @@ def test_one_tree_of_each_concept_is_told() -> None:
     assert "tree 0 of yellow" in text
     assert "tree 1" not in text
     told = [line.split() for line in text.splitlines()]
-    expected = ("same", "0.0001", "2", "0.910", "0.870", "0.90", "3.0")
+    expected = ("same", "0.001", "2", "0.910", "0.870", "0.90", "3.0")
     assert [*TITLES["between"].split(), *expected] in told
 
 

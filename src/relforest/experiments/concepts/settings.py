@@ -29,7 +29,7 @@ class ConceptSetting:
     concept: str
     replicate: int
     n_scenes: int = 500
-    alpha: float = 1e-4
+    alpha: float = 1e-3
     max_points: int = 100_000
 
     def __str__(self) -> str:
@@ -67,13 +67,13 @@ THRESHOLDS: Final = MappingProxyType(
 )
 """Mean test score to be reached, by concept and kind of test scenes."""
 
-STRICT_ALPHA: Final = 1e-4
+STRICT_ALPHA: Final = 1e-3
 """The level at which the thresholds must be reached. The likelihood ratio test is anti-conservative: at the
 source's 0.05 it lets questions pass that only fit the noise (study ``calibration``), and those ruin a tree on
 larger scenes."""
 ALPHAS: Final = (STRICT_ALPHA, 0.05)
 
-N_REPLICATES: Final = 5
+N_REPLICATES: Final = 8
 
 SETTINGS: Final = tuple(
     ConceptSetting(concept, replicate, alpha=alpha)
