@@ -1,8 +1,8 @@
 """The one way to compile a function in relforest.
 
-Numba keeps machine code on disk and renews it when the file of a function changes, but not when a function that
-it calls does, in another file. A library whose kernels call each other across files would run old code after
-an upgrade. So the cache is kept in a folder named for the content of the whole package.
+Numba keeps machine code on disk and renews it when the file of a function changes, but not when a function
+that it calls does, in another file. A library whose kernels call each other across files would run old code
+after an upgrade. So the cache is kept in a folder named for the content of the whole package.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Literal, TypeVar, cast
 
 import numba
 
@@ -57,7 +57,7 @@ def kernel(function: Function) -> Function:
     return _compiled(function, inline="never")
 
 
-def _compiled(function: Function, *, inline: str) -> Function:
+def _compiled(function: Function, *, inline: Literal["never", "always"]) -> Function:
     # Numba fixes a function's cache when it is decorated, from this setting.
     settings = vars(numba.config)
     previous = settings["CACHE_DIR"]
