@@ -42,10 +42,8 @@ class ResumeSetting:
 
 
 SETTINGS: Final = (
-    ResumeSetting("one run", 1, 1, 1),
     ResumeSetting("one run, then two threads", 1, 1, 2),
     ResumeSetting("two runs in two processes", 2, 2, 2),
-    ResumeSetting("two runs in two processes, then in one", 2, 2, 1),
     ResumeSetting("two runs in one process, then in two, killed three times", 2, 1, 2, kills=3),
 )
 SMOKE: Final = (ResumeSetting("one run", 1, 1, 1, episodes=5, iterations=1, moments=1),)
