@@ -120,7 +120,10 @@ def test_an_existing_model_is_replaced_only_on_demand(run: CommandLine, table: P
             "permutations must be an integer of at least 1",
         ),
         ((*COLUMNS, "--label", "completed", "--seed", "-1"), "seed must be an integer of at least 0, got -1"),
-        ((*COLUMNS, "--label", "completed", "--jobs", "0"), "jobs must be an integer of at least 1, got 0"),
+        (
+            (*COLUMNS, "--label", "completed", "--jobs", "0"),
+            "n_jobs must be a positive integer, or -1 for all cores, got 0",
+        ),
         (
             (*COLUMNS, "--label", "completed", "--test", "permutation", "--alpha", "0.001"),
             "permutations=99 can never reach alpha=0.001: use at least 999",

@@ -107,5 +107,7 @@ def test_a_table_without_the_columns_is_refused(run: CommandLine, model: Path, t
     assert "no column 'x' in the table: it has 'pass', 'player'" in run("predict", model, table).err
 
 
-def test_jobs_are_at_least_one(run: CommandLine, model: Path, table: Path) -> None:
-    assert "jobs must be an integer of at least 1, got -2" in run("predict", model, table, "--jobs", "-2").err
+def test_jobs_are_positive_or_all_cores(run: CommandLine, model: Path, table: Path) -> None:
+    outcome = run("predict", model, table, "--jobs", "-2")
+
+    assert "n_jobs must be a positive integer, or -1 for all cores, got -2" in outcome.err

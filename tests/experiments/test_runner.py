@@ -154,7 +154,7 @@ def test_other_work_is_refused(tmp_path: Path) -> None:
 def test_options_are_checked_before_anything_is_written(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="seed must be an integer of at least 0, got -1"):
         run_study(STUDY, tmp_path / "out", seed=-1)
-    with pytest.raises(InputError, match="n_jobs must be an integer of at least 1, got 0"):
+    with pytest.raises(InputError, match="n_jobs must be a positive integer, or -1 for all cores, got 0"):
         run_study(STUDY, tmp_path / "out", n_jobs=0)
     assert not (tmp_path / "out").exists()
 

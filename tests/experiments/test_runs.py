@@ -120,7 +120,9 @@ def test_a_folder_of_something_else_is_not_touched(tmp_path: Path) -> None:
 
 def test_the_number_of_jobs_is_checked_before_anything_is_written(tmp_path: Path) -> None:
     for n_jobs in (0, -2):
-        with pytest.raises(InputError, match=f"n_jobs must be an integer of at least 1, got {n_jobs}"):
+        with pytest.raises(
+            InputError, match=f"n_jobs must be a positive integer, or -1 for all cores, got {n_jobs}"
+        ):
             learn_runs(SMALL, tmp_path / "out", n_jobs=n_jobs)
     assert not (tmp_path / "out").exists()
 

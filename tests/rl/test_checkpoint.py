@@ -251,3 +251,29 @@ def test_equal_runs_have_equal_bytes(finished: Path, tmp_path: Path) -> None:
     learn(tmp_path, n_jobs=2)
     assert contents(tmp_path) == contents(finished)
     assert files.read_npz(tmp_path / WEIGHTS, ["iteration"])["iteration"] == ITERATIONS
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "trees/mine.json", "experience/photo.png"])
+def test_a_folder_with_files_of_other_work_is_refused_and_left_alone(
+    finished: Path, tmp_path: Path, name: str
+) -> None:
+    foreign = tmp_path / "foreign" / name
+    foreign.parent.mkdir(parents=True)
+    foreign.write_text("precious", encoding="utf-8")
+    agent = SMRFRPI.load(finished, CorridorEnv())
+
+    for write in (agent.save, learn):
+        with pytest.raises(RunFolderError, match=f"holds {name}, which is no part of a run; choose a new"):
+            write(tmp_path / "foreign")
+    assert foreign.read_text(encoding="utf-8") == "precious"
+    assert {path.name for path in (tmp_path / "foreign").iterdir()} <= {
+        name.split("/", maxsplit=1)[0],
+        ".lock",
+    }
+
+
+def test_foreign_files_that_came_later_are_left_alone(copy: Path) -> None:
+    (copy / TREES / "mine.json").write_text("precious", encoding="utf-8")
+    learn(copy, ITERATIONS + 1)
+
+    assert (copy / TREES / "mine.json").read_text(encoding="utf-8") == "precious"

@@ -114,6 +114,8 @@ def test_repr_is_one_informative_line() -> None:
         ({"arguments": None}, r"arguments must have shape \(3, 1\).* got \(3, 0\)"),
         ({"arguments": np.array([[1], [-2], [2]])}, "0 to 3, or -1 for none"),
         ({"arguments": np.array([[1], [4], [2]])}, "0 to 3, or -1 for none"),
+        ({"rows": np.array([0, 1, 0, 2, 3])}, "scene 0 holds object row 0 twice"),
+        ({"arguments": np.array([[3], [-1], [2]])}, "scene 0 holds object row 3 twice, or has it as an argu"),
         ({"scene_ids": np.arange(2)}, "scene_ids must have one entry per scene, 3, got 2"),
         ({"object_ids": np.arange(3)}, "object_ids must have one entry per row of the matrix, got 3"),
         ({"object_ids": np.zeros(4)}, "object_ids must be integers or strings, got float64"),

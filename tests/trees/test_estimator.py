@@ -246,9 +246,9 @@ def test_bad_parameters_are_refused_by_fit(options: dict[str, Any], message: str
         SMRFTreeClassifier(**options).fit(SCENES, Y)
 
 
-@pytest.mark.parametrize("n_jobs", [0, -1, 1.5])
+@pytest.mark.parametrize("n_jobs", [0, -2, 1.5])
 def test_a_bad_number_of_threads_is_refused(n_jobs: Any) -> None:
-    with pytest.raises(InputError, match="n_jobs must be an integer of at least 1"):
+    with pytest.raises(InputError, match="n_jobs must be a positive integer, or -1 for all cores"):
         fitted(n_jobs=n_jobs).predict(SCENES)
 
 

@@ -147,16 +147,6 @@ def test_rows_of_scenes_that_share_objects() -> None:
     assert rows_of(shared, sequences).tolist() == [[1], [0], [1]]
 
 
-def test_an_argument_from_outside_its_scene_counts_as_missing() -> None:
-    schema = plane("passer")
-    matrix = np.zeros((3, 2))
-    scenes = Scenes(
-        schema, matrix, integers([0, 1]), integers([0, 1]), integers([1, 1]), integers([[0], [2]])
-    )
-
-    assert argument_places(scenes).tolist() == [[0], [-1]]
-
-
 @pytest.mark.parametrize("n_scenes", [0, 2])
 def test_scenes_without_any_object(n_scenes: int) -> None:
     scenes = scenes_in(plane(), [[]] * n_scenes)

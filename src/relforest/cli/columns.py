@@ -142,6 +142,17 @@ def read_scenes(path: Path, columns: Columns | None, *, remedy: str) -> SceneTab
     return SceneTable(scenes, columns, table, columns.scene)
 
 
+def _as_numbers(labels: NDArray[Any], column: str) -> NDArray[Any]:
+    """Return labels of another type, such as decimals, as numbers."""
+    try:
+        return labels.astype(np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"column {column!r} holds values that are no labels ({error}): labels are booleans, 0 and 1, "
+            "-1 and +1, or two strings"
+        ) from error
+
+
 def read_labels(source: SceneTable, column: str) -> NDArray[Any]:
     """Return the label of every scene, (n_scenes,): booleans, integers or strings.
 
@@ -152,6 +163,8 @@ def read_labels(source: SceneTable, column: str) -> NDArray[Any]:
         booleans, 0 and 1, -1 and +1, or two strings, both of them present.
     """
     labels = scene_values(source.table, column, scene=source.scene_key)
+    if labels.dtype.kind == "O" and not all(isinstance(label, str) for label in labels):
+        labels = _as_numbers(labels, column)
     if labels.dtype.kind == "f" and (labels == np.round(labels)).all():
         labels = labels.astype(np.int64)
     classes = np.unique(labels)

@@ -77,7 +77,7 @@ class FitOptions:
     seed
         The same seed gives the same tree.
     jobs
-        Threads for the predictions; the result does not depend on it.
+        Threads for the predictions, -1 = one per core; the result does not depend on it.
     force
         Replace the model file if it exists.
     """
@@ -106,10 +106,11 @@ def fit(options: FitOptions) -> int:
     from relforest.metrics import peirce_skill_score
     from relforest.reports import question_points
     from relforest.support.options import at_least
+    from relforest.support.parallel import checked_jobs
     from relforest.trees import SMRFTreeClassifier
 
     at_least("seed", options.seed, 0)
-    at_least("jobs", options.jobs, 1)
+    checked_jobs(options.jobs)
     check_free(options.out, force=options.force)
     source = read_scenes(options.table, _columns(options), remedy=_REMEDY)
     labels = read_labels(source, options.label)

@@ -60,9 +60,9 @@ def predict(options: PredictOptions) -> int:
     from relforest.cli.columns import check_schema, read_scenes
     from relforest.cli.model_file import read_model
     from relforest.support.files import write_text
-    from relforest.support.options import at_least
+    from relforest.support.parallel import checked_jobs
 
-    at_least("jobs", options.jobs, 1)
+    checked_jobs(options.jobs)
     if options.out is not None:
         check_free(options.out, force=options.force)
     model = read_model(options.model)

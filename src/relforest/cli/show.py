@@ -106,7 +106,9 @@ def _find_scene(key: str, path: Path, model: Model) -> Scenes:
     scenes = read_scenes(path, model.columns, remedy=model.remedy).scenes
     check_schema(path, scenes, model.tree.schema)
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
-    for position, scene_id in enumerate(ids):
-        if str(scene_id) == key:
-            return scenes.take([position])
+    positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
+    if len(positions) > 1:
+        raise InputError(f"{path} has {len(positions)} scenes {key!r}: give them different ids")
+    if positions:
+        return scenes.take(positions)
     raise InputError(f"{path} has no scene {key!r}: it has {listed(ids)}")

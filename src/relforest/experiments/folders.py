@@ -7,7 +7,6 @@ it with what is asked for now, and holds the folder's lock meanwhile.
 from __future__ import annotations
 
 import platform
-import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,13 +17,11 @@ from typing import Any, Final, final
 from relforest import __version__
 from relforest.rl.configuration import differences
 from relforest.support.errors import ModelFormatError, RunFolderError
-from relforest.support.files import read_json, write_json
+from relforest.support.files import is_temporary, read_json, remove_temporary_files, write_json
 from relforest.support.locks import FolderLock
 
 VERSION: Final = 1
 
-# What an interrupted `support.files.write_bytes` leaves behind.
-_TEMPORARY: Final = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 _LOCK: Final = ".lock"
 
 
@@ -99,9 +96,7 @@ def _check_kind(folder: Path, identity: Identity) -> None:
     if (folder / identity.file).exists():
         return
     # The identity is the first file to be written, so without it only these can be traces of an interruption.
-    foreign = [
-        path.name for path in folder.iterdir() if path.name != _LOCK and not _TEMPORARY.fullmatch(path.name)
-    ]
+    foreign = [path.name for path in folder.iterdir() if path.name != _LOCK and not is_temporary(path)]
     if foreign:
         raise RunFolderError(
             f"{folder} is not empty and holds no {identity.file}, so it is not ours to write to "
@@ -150,10 +145,3 @@ def _grows(identity: Identity, there: Mapping[str, Any]) -> bool:
         return False
     old, new = there.get(identity.growing), identity.content[identity.growing]
     return isinstance(old, int) and not isinstance(old, bool) and old < new
-
-
-def remove_temporary_files(folder: Path) -> None:
-    """Delete what an interrupted write left in a folder; whoever calls this holds the lock."""
-    for path in folder.iterdir():
-        if _TEMPORARY.fullmatch(path.name) and path.is_file():
-            path.unlink()

@@ -14,15 +14,15 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
-from relforest.experiments.folders import Identity, claimed, remove_temporary_files
+from relforest.experiments.folders import Identity, claimed
 from relforest.experiments.study import Place, Setting, Study
 from relforest.experiments.table import Row, Table
 from relforest.experiments.watching import watching
 from relforest.reports.figure_files import save_figure
 from relforest.support.errors import ModelFormatError, RunFolderError
-from relforest.support.files import read_json, write_json, write_text
+from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
 from relforest.support.options import at_least
-from relforest.support.parallel import one_blas_thread, run_tasks
+from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
 
 S = TypeVar("S", bound=Setting)
 
@@ -71,8 +71,7 @@ def run_study(
     """
     folder, settings = Path(out), study.smoke if smoke else study.settings
     seed = at_least("seed", seed, 0)
-    if n_jobs != -1:
-        at_least("n_jobs", n_jobs, 1)
+    checked_jobs(n_jobs)
     plain = [_plain(setting) for setting in settings]
     identity = Identity(
         _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}

@@ -18,8 +18,7 @@ from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.run_pictures import draw_runs
 from relforest.experiments.watching import watching
 from relforest.rl.rpi import SMRFRPI
-from relforest.support.options import at_least
-from relforest.support.parallel import run_tasks
+from relforest.support.parallel import checked_jobs, run_tasks
 from relforest.support.rng import seed_sequence, stream
 
 OnIteration: TypeAlias = Callable[[int, dict[str, Any], dict[str, float]], None]
@@ -62,8 +61,7 @@ def learn_runs(
         If a folder is in use by a living process, is not empty but no run folder, belongs to another
         configuration, or is damaged.
     """
-    if n_jobs != -1:
-        at_least("n_jobs", n_jobs, 1)
+    checked_jobs(n_jobs)
     folder = Path(out)
     folders = config.folders(folder)
     if config.runs == 1:

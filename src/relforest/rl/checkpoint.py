@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +33,15 @@ from relforest.rl.policy_file import (
 )
 from relforest.rl.value import ValueFunction
 from relforest.support.errors import ModelFormatError, RunFolderError
-from relforest.support.files import read_json, read_npz, write_json, write_npz, write_text
+from relforest.support.files import (
+    is_temporary,
+    read_json,
+    read_npz,
+    remove_temporary_files,
+    write_json,
+    write_npz,
+    write_text,
+)
 
 FORMAT: Final = "relforest-checkpoint"
 VERSION: Final = 1
@@ -40,6 +49,11 @@ CHECKPOINT: Final = "checkpoint.json"
 METRICS: Final = "metrics.jsonl"
 TIMINGS: Final = "timings.jsonl"
 EXPERIENCE: Final = "experience"
+
+# What may stand in a folder before the first checkpoint: a lock, what a caller noted about the run, a log.
+_BESIDE_CHECKPOINT: Final = (".lock", "run.json", TIMINGS)
+_TREE_FILE: Final = re.compile(r"\d{4}-.+-\d+\.json")
+_EXPERIENCE_FILE: Final = re.compile(r"iteration-\d{4}\.npz")
 
 METRIC_NAMES: Final = ("iteration", "test_reward", "train_reward", "trees", "leaves")
 
@@ -108,7 +122,7 @@ class RunFolder:
         Raises
         ------
         RunFolderError
-            If there is none, but other files of a run are.
+            If there is none, but other files of a run are, or files that belong to no run.
         """
         if (self._path / CHECKPOINT).exists():
             return True
@@ -117,6 +131,12 @@ class RunFolder:
                 raise RunFolderError(
                     f"{self._path} holds {name} but no {CHECKPOINT}, so the run cannot be continued; "
                     "restore that file or choose another folder"
+                )
+        for path in self._entries():
+            if not self._is_ours(path):
+                raise RunFolderError(
+                    f"{self._path} holds {path.relative_to(self._path)}, which is no part of a run; "
+                    "choose a new or empty folder"
                 )
         return False
 
@@ -181,6 +201,8 @@ class RunFolder:
         """Undo the traces of an interruption: restore derived files, remove what no checkpoint names."""
         if not self._is_derived(progress):
             self._write_derived(progress)
+        for folder in (self._path, self._path / TREES, self._path / EXPERIENCE):
+            remove_temporary_files(folder)
         for path in self._leftovers(progress):
             path.unlink()
 
@@ -200,12 +222,27 @@ class RunFolder:
 
     def _leftovers(self, progress: Progress) -> Iterator[Path]:
         trees, experience = self._path / TREES, self._path / EXPERIENCE
-        for folder in (self._path, trees, experience):
-            yield from folder.glob(".*.tmp")
-        known = {name for name, _ in _named_trees(progress)}
-        yield from (path for path in trees.glob("*.json") if path.name not in known)
-        kept = {self._experience(number) for number in range(1, progress.iteration + 1)}
-        yield from (path for path in experience.glob("iteration-*.npz") if path not in kept)
+        known = {trees / name for name, _ in _named_trees(progress)}
+        known |= {self._experience(number) for number in range(1, progress.iteration + 1)}
+        for path in self._entries():
+            if path.parent in (trees, experience) and path not in known and self._is_ours(path):
+                yield path
+
+    def _entries(self) -> Iterator[Path]:
+        """Files in the folder, and in the two folders of a run below it."""
+        for folder in (self._path, self._path / TREES, self._path / EXPERIENCE):
+            for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+                if path not in (self._path / TREES, self._path / EXPERIENCE):
+                    yield path
+
+    def _is_ours(self, path: Path) -> bool:
+        """Whether a run could have written a file, by its name."""
+        if is_temporary(path):
+            return True
+        if path.parent == self._path:
+            return path.name in _BESIDE_CHECKPOINT
+        pattern = _TREE_FILE if path.parent.name == TREES else _EXPERIENCE_FILE
+        return pattern.fullmatch(path.name) is not None
 
     def _experience(self, number: int) -> Path:
         return self._path / EXPERIENCE / f"iteration-{number:04d}.npz"

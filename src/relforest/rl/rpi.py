@@ -26,7 +26,7 @@ from relforest.support.errors import InputError, RunFolderError
 from relforest.support.files import append_line
 from relforest.support.locks import FolderLock
 from relforest.support.options import at_least
-from relforest.support.parallel import one_blas_thread
+from relforest.support.parallel import checked_jobs, one_blas_thread
 from relforest.support.rng import RandomState, seed_sequence, stream
 
 _TRAINING, _TESTING, _SAMPLING, _LEARNING = 0, 1, 2, 3
@@ -99,8 +99,7 @@ class SMRFRPI:
     ) -> None:
         if settings is not None and not isinstance(settings, RPISettings):
             raise InputError(f"settings must be RPISettings(...), got {settings!r}")
-        if n_jobs != -1:
-            at_least("n_jobs (or -1 for all cores)", n_jobs, 1)
+        checked_jobs(n_jobs)
         world = world_of(env)
         self.env = env
         self.settings = settings or RPISettings()
@@ -204,39 +203,46 @@ class SMRFRPI:
             played = rollout(env, GreedyPolicy(self._progress.value), episodes, seed_sequence(seed))
         return Evaluation(played.episode_rewards, played.episode_durations)
 
-    def save(self, folder: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything learned to a run folder, which `load` reads and learning can go on from.
+
+        Parameters
+        ----------
+        path : path
+            A new or empty folder, or one that holds an earlier stage of this run.
 
         Raises
         ------
         InputError
             If nothing has been learned yet.
         RunFolderError
-            If the folder is in use, or holds another run or a later stage of this one.
+            If the folder is in use, or holds another run, a later stage of this one or foreign files.
         """
         if self._configuration is None:
             raise InputError("there is nothing to save yet: call learn first")
-        target = RunFolder(folder)
-        with FolderLock(folder):
+        target = RunFolder(path)
+        # Before the lock too, because taking it makes a file.
+        _ = target.holds_run
+        with FolderLock(path):
             if target.holds_run:
                 found, configuration = target.read()
                 check_configuration(configuration, self._configuration, target.path)
                 if found.iteration > self._progress.iteration:
                     raise RunFolderError(
-                        f"{folder} holds this run at iteration {found.iteration}, later than the agent's "
+                        f"{path} holds this run at iteration {found.iteration}, later than the agent's "
                         f"{self._progress.iteration}; choose another folder"
                     )
             target.write(self._progress, self._configuration)
             target.repair(self._progress)
 
     @classmethod
-    def load(cls, folder: str | os.PathLike[str], env: Environment) -> SMRFRPI:
+    def load(cls, path: str | os.PathLike[str], env: Environment) -> SMRFRPI:
         """Read an agent from a run folder, which may belong to a running or an interrupted run.
 
         Parameters
         ----------
-        folder : path
-            Written by `save` or by learning with ``checkpoint``.
+        path : path
+            A folder written by `save` or by learning with ``checkpoint``.
         env : gymnasium.Env
             A world with the same attributes and action types; the numbers of objects may differ.
 
@@ -244,7 +250,7 @@ class SMRFRPI:
         -------
         SMRFRPI
             With the settings and the seed of the run. It learns on in memory; to continue in the folder
-            itself, make an agent with ``checkpoint=folder`` instead.
+            itself, make an agent with ``checkpoint=path`` instead.
 
         Raises
         ------
@@ -253,9 +259,9 @@ class SMRFRPI:
         InputError
             If the world has other attributes or action types.
         """
-        stored = RunFolder(folder)
+        stored = RunFolder(path)
         progress, configuration = stored.read()
-        check_policy(folder)
+        check_policy(path)
         check_world(progress.value, env)
         seed, settings = restore_run(configuration, stored.path)
         agent = cls(env, settings=settings, random_state=seed)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from relforest.scenes.angles import wrap
 from relforest.scenes.ids import IdArray, as_ids, plain
+from relforest.scenes.kernels import first_misfit
 from relforest.scenes.schema import Schema
 from relforest.support.errors import InputError
 
@@ -37,7 +38,8 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
     Raises
     ------
     InputError
-        If a shape or type is wrong, a row number points outside the matrix, or a value is infinite.
+        If a shape or type is wrong, a row number points outside the matrix, a value is infinite, a scene
+        holds a row twice or has an argument that is none of its objects.
     """
     matrix = _floats(parts.schema, parts.matrix)
     object_ids = as_ids("object_ids", parts.object_ids)
@@ -65,6 +67,12 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
     if arguments.size and (arguments.min() < -1 or arguments.max() >= len(matrix)):
         raise InputError(
             f"arguments must be row numbers of the matrix, 0 to {len(matrix) - 1}, or -1 for none"
+        )
+    scene, row = first_misfit(rows, starts, counts, arguments, np.full(len(matrix), -1))
+    if scene >= 0:
+        raise InputError(
+            f"scene {scene} holds object row {row} twice, or has it as an argument without holding it: "
+            "list every object of a scene once"
         )
     scene_ids = as_ids("scene_ids", parts.scene_ids)
     if len(scene_ids) != len(starts):

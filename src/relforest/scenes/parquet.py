@@ -20,7 +20,7 @@ from pyarrow import parquet
 from relforest.scenes.arrays import IntArray, SceneArrays, compact
 from relforest.scenes.arrow import ArrowArray, ArrowTable
 from relforest.scenes.columns import Codes, encode, id_column, number_column, open_frame
-from relforest.scenes.ids import IdArray, plain
+from relforest.scenes.ids import IdArray
 from relforest.scenes.lookup import bind_arguments, index_objects
 from relforest.scenes.schema import Schema
 from relforest.support.errors import InputError, ModelFormatError
@@ -177,15 +177,6 @@ def _check_identifiable(parts: SceneArrays, scenes: IntArray) -> None:
     objects = encode(_id_array("object_ids", parts.object_ids))
     if len(parts.rows):
         index_objects(parts.scene_ids, scenes, Codes(objects.codes[parts.rows], objects.ids))
-    members = scenes * len(parts.matrix) + parts.rows
-    for parameter, column in zip(parts.schema.parameters, parts.arguments.T, strict=True):
-        bound = np.flatnonzero(column >= 0)
-        outside = bound[~np.isin(bound * len(parts.matrix) + column[bound], members)]
-        if outside.size:
-            raise InputError(
-                f"argument {parameter!r} of scene {plain(parts.scene_ids[outside[0]])!r} is bound to an "
-                "object of another scene: bind it to one of the scene's own"
-            )
 
 
 def _id_array(what: str, ids: IdArray) -> ArrowArray:

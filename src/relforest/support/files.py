@@ -11,6 +11,7 @@ import io
 import json
 import math
 import os
+import re
 import reprlib
 import secrets
 import stat
@@ -44,6 +45,9 @@ _BROKEN_ARCHIVE = (
     zipfile.BadZipFile,
     zlib.error,
 )
+
+
+_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 
 
 def content_digest(paths: Iterable[Path]) -> str:
@@ -85,6 +89,18 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     _sync_folder(target.parent)
 
 
+def is_temporary(path: Path) -> bool:
+    """Whether a name is one that an interrupted `write_bytes` leaves behind."""
+    return _TEMPORARY.fullmatch(path.name) is not None
+
+
+def remove_temporary_files(folder: Path) -> None:
+    """Delete what interrupted writes left in a folder, if it exists; whoever calls this holds its lock."""
+    for path in folder.iterdir() if folder.is_dir() else ():
+        if is_temporary(path) and path.is_file():
+            path.unlink()
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a text file as UTF-8, whole or not at all; see `write_bytes`."""
     write_bytes(path, text.encode("utf-8"))
@@ -103,11 +119,11 @@ def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> Non
     Raises
     ------
     InputError
-        If the document holds NaN or an infinite number, which JSON cannot say.
+        If the document holds NaN, an infinite number or another value that JSON cannot say.
     """
     try:
         text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise InputError(f"{path} cannot be written as JSON: {error}") from error
     write_text(path, text + "\n")
 

@@ -49,8 +49,7 @@ def run_tasks(
     InputError
         If ``n_jobs`` is neither -1 nor a positive integer.
     """
-    if isinstance(n_jobs, bool) or n_jobs != -1:
-        n_jobs = _positive_jobs(n_jobs)
+    n_jobs = checked_jobs(n_jobs)
     with one_blas_thread():
         if n_jobs == 1 or len(tasks) < 2:
             return [function(*task) for task in tasks]
@@ -65,7 +64,10 @@ def one_blas_thread() -> Iterator[None]:
         yield
 
 
-def _positive_jobs(n_jobs: object) -> int:
+def checked_jobs(n_jobs: object) -> int:
+    """Return a number of workers: a positive integer as it is, -1 as the number of cores."""
+    if n_jobs == -1 and not isinstance(n_jobs, bool):
+        return int(joblib.cpu_count())
     try:
         return at_least("n_jobs", n_jobs, 1)
     except InputError:

@@ -2,8 +2,9 @@
 
 `SMRFTreeClassifier` learns one; `Tree` is the learned value, made of the three kinds of nodes in
 `nodes`; `query` asks it about scenes. Learning goes from `sequences` (instantiation sequences at a
-leaf) over `expansions` (which questions may be asked there) and `criterion` (leaf probabilities,
-likelihood, significance) to `growth` (the loop of Algorithm 4.1).
+leaf) over `expansions` (which questions may be asked there), `candidates` (their volumes),
+`probabilities` and `significance` or `permutation` (what they are worth) to `growth`, the loop of
+Algorithm 4.1.
 """
 
 from __future__ import annotations

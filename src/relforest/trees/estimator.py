@@ -12,7 +12,6 @@ from sklearn.utils.validation import check_is_fitted
 from relforest.scenes import Scenes
 from relforest.scenes.labels import binary_labels
 from relforest.support.errors import InputError
-from relforest.support.options import at_least
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.trees.growth import Test, TreeSettings, grow
 from relforest.trees.inference import query
@@ -75,11 +74,11 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     permutations : int, default 99
         Shuffles of the permutation test.
     max_points : int, default 100_000
-        Expansions with more points than this are left out; `n_left_out_` counts them.
+        Expansions with more instantiation sequences than this are left out; `n_left_out_` counts them.
     random_state : int, SeedSequence, Generator or None, default None
         Seed; an integer makes `fit` repeatable.
     n_jobs : int, default 1
-        Threads for prediction. Nothing depends on it but time.
+        Threads for prediction, -1 = one per core. Nothing depends on it but time.
 
     Attributes
     ----------
@@ -177,7 +176,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     def apply(self, scenes: Scenes) -> NDArray[np.int64]:
         """Ordinal of the deciding leaf of each scene, (n_scenes,)."""
         check_is_fitted(self)
-        return query(self.tree_, _checked(scenes), n_jobs=at_least("n_jobs", self.n_jobs, 1)).leaf
+        return query(self.tree_, _checked(scenes), n_jobs=self.n_jobs).leaf
 
     def explain(self, scenes: Scenes) -> list[Explanation]:
         """The objects behind each prediction."""

@@ -47,8 +47,8 @@ class TreeSettings:
     permutations : int
         Shuffles of the permutation test.
     max_points : int
-        Expansions that would put more points than this before one question are left out, and counted
-        in `Growth.n_left_out`.
+        Expansions that would bring more instantiation sequences than this before one question are left
+        out, and counted in `Growth.n_left_out`.
     covagg : CovAggSettings
         Parameters of covariant aggregation.
 

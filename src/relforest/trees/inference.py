@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from relforest.support.errors import InputError
+from relforest.support.parallel import checked_jobs
 from relforest.trees.kernels import query_batch, query_work
 
 if TYPE_CHECKING:
@@ -52,12 +53,12 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
     scenes : Scenes
         n scenes of the tree's schema.
     n_jobs : int
-        Threads; the kernel releases the GIL. The answers do not depend on it.
+        Threads, -1 = one per core; the kernel releases the GIL. The answers do not depend on it.
 
     Raises
     ------
     InputError
-        If the scenes have another schema.
+        If the scenes have another schema, or `n_jobs` is neither -1 nor positive.
     """
     if scenes.schema != tree.schema:
         msg = f"the tree is for scenes with {tree.schema}, these have {scenes.schema}"
@@ -81,7 +82,8 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
             (out[0][part], out[1][part], out[2][part]),
         )
 
-    bounds = np.linspace(0, n, max(n_jobs, 1) + 1).astype(int)
+    n_jobs = checked_jobs(n_jobs)
+    bounds = np.linspace(0, n, n_jobs + 1).astype(int)
     if n_jobs == 1:
         answer(0, n)
     else:

@@ -44,8 +44,8 @@ def permutation_p(
     observed one. No further correction for multiple comparisons is due. At the root the test is
     exact; deeper down it is conditional on the tree so far.
 
-    Shuffling stops as soon as significance is out of reach; the p-value returned is then too small
-    to be exact but larger than alpha.
+    Shuffling stops as soon as significance is out of reach; the p-value returned is then a lower bound
+    that already exceeds alpha.
 
     References
     ----------

@@ -57,8 +57,7 @@ def rates(table: Table) -> Iterator[Rate]:
 def summarize(table: Table) -> Findings:
     """State the rates; that of the permutation test must lie in the interval of a calibrated test.
 
-    The claim is about the largest scenes only: of several true claims, each would be missed in one study out
-    of twenty.
+    The permutation test makes the claim; the likelihood ratio test is only told about.
     """
     rows, all_rates = [], list(rates(table))
     for found in all_rates:
