@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from relforest.support.errors import InputError
-from relforest.support.rng import generator, kernel_seed, seed_sequence, stream
+from relforest.support.rng import generator, seed_sequence, stream
 
 keys = st.lists(st.integers(0, 2**32 - 1), max_size=4).map(tuple)
 
@@ -87,12 +87,3 @@ def test_streams_are_uncorrelated_with_each_other_and_their_parent() -> None:
 def test_keys_outside_one_word_are_refused(key: tuple[int, ...]) -> None:
     with pytest.raises(InputError, match=r"a part of a stream's key must be from 0 to 2\*\*32 - 1, got "):
         stream(np.random.SeedSequence(0), *key)
-
-
-def test_kernel_seeds_differ_and_fit_a_signed_word() -> None:
-    seed = np.random.SeedSequence(0)
-    seeds = [kernel_seed(stream(seed, i)) for i in range(200)]
-
-    assert len(set(seeds)) == 200
-    assert all(type(value) is int and 0 <= value < 2**63 for value in seeds)
-    assert seeds == [kernel_seed(stream(seed, i)) for i in range(200)]

@@ -74,6 +74,8 @@ class FitOptions:
         Tries for each possible question.
     permutations
         Shuffles of the permutation test.
+    max_points
+        Expansions with more instantiation sequences than this are left out, and counted in the end.
     seed
         The same seed gives the same tree.
     jobs
@@ -94,6 +96,7 @@ class FitOptions:
     alpha: float = 0.05
     attempts: int = 3
     permutations: int = 99
+    max_points: int = 100_000
     seed: int = 0
     jobs: int = 1
     force: bool = False
@@ -121,6 +124,7 @@ def fit(options: FitOptions) -> int:
         alpha=options.alpha,
         attempts=options.attempts,
         permutations=options.permutations,
+        max_points=options.max_points,
         random_state=options.seed,
         n_jobs=options.jobs,
     )
@@ -173,6 +177,6 @@ def _comment(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassi
     if classifier.n_left_out_:
         note(
             f"{classifier.n_left_out_} possible questions were left out, because they would see more than "
-            f"{classifier.max_points} points each: fewer objects or scenes would allow them"
+            f"{classifier.max_points} instantiation sequences each: a larger --max-points allows them"
         )
     note(f"wrote {options.out}")

@@ -85,11 +85,3 @@ def stream(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:
 def generator(seed: np.random.SeedSequence) -> np.random.Generator:
     """Return a new PCG64 generator at the start of the stream that ``seed`` names."""
     return np.random.Generator(np.random.PCG64(seed))
-
-
-def kernel_seed(seed: np.random.SeedSequence) -> int:
-    """Return 63 bits of ``seed`` for the small counter-based generators inside kernels.
-
-    One bit is given up so that Numba types every seed as a signed 64-bit integer and compiles only once.
-    """
-    return int(seed.generate_state(1, np.uint64)[0]) >> 1

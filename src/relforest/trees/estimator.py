@@ -10,6 +10,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
 from relforest.scenes import Scenes
+from relforest.scenes.ids import plain
 from relforest.scenes.labels import binary_labels
 from relforest.support.errors import InputError
 from relforest.support.rng import RandomState, generator, seed_sequence
@@ -198,19 +199,14 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
         witnesses: dict[str, object] = {}
         for variable in range(bound[leaf]):
             row = answers.witnesses[i, variable]
-            witnesses[variable_name(variable)] = None if row < 0 else _plain(scenes.object_ids[row])
+            witnesses[variable_name(variable)] = None if row < 0 else plain(scenes.object_ids[row])
         densities = tuple(answers.densities[i, : len(tree.questions_above[leaf])].tolist())
         explanations.append(
             Explanation(
-                _plain(scenes.scene_ids[i]), float(probabilities[leaf]), int(leaf), witnesses, densities
+                plain(scenes.scene_ids[i]), float(probabilities[leaf]), int(leaf), witnesses, densities
             )
         )
     return explanations
-
-
-def _plain(identifier: object) -> object:
-    """Identifier as a Python value."""
-    return identifier.item() if isinstance(identifier, np.generic) else identifier
 
 
 def _checked(scenes: object) -> Scenes:

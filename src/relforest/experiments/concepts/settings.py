@@ -68,9 +68,8 @@ THRESHOLDS: Final = MappingProxyType(
 """Mean test score to be reached, by concept and kind of test scenes."""
 
 STRICT_ALPHA: Final = 1e-3
-"""The level at which the thresholds must be reached. The likelihood ratio test is anti-conservative: at the
-source's 0.05 it lets questions pass that only fit the noise (study ``calibration``), and those ruin a tree on
-larger scenes."""
+"""The level at which the thresholds must be reached. The likelihood ratio test is anti-conservative: at 0.05
+it lets more questions pass that only fit the noise (study ``calibration``)."""
 ALPHAS: Final = (STRICT_ALPHA, 0.05)
 
 N_REPLICATES: Final = 8
