@@ -64,15 +64,15 @@ class CalibrationSetting:
 
 
 N_BLOCKS: Final = 16
-SIZES: Final = ((1, 1), (3, 5), (6, 6))
+SIZES: Final = ((1, 1), (3, 5))
 """Objects of a scene; the more there are, the more points covariant aggregation may choose from."""
-MIDDLE: Final = (3, 5)
+LARGER: Final = SIZES[-1]
 
-# The permutation test repeats the whole search, so it is tried on the middle size only.
+# The permutation test repeats the whole search, so it is tried on the larger size only.
 _CELLS: Final[tuple[tuple[Test, float, int, int], ...]] = (
     *((LIKELIHOOD_RATIO, ALPHA, *size) for size in SIZES),
-    (LIKELIHOOD_RATIO, STRICT_ALPHA, *MIDDLE),
-    (PERMUTATION, ALPHA, *MIDDLE),
+    (LIKELIHOOD_RATIO, STRICT_ALPHA, *LARGER),
+    (PERMUTATION, ALPHA, *LARGER),
 )
 
 SETTINGS: Final = tuple(
