@@ -15,6 +15,7 @@ def row(concept: str, test: str, pss: float, replicate: int = 0, alpha: float = 
         "pss": pss,
         "leaves": 3,
         "tree": f"tree {replicate} of {concept}",
+        "ellipse": 0.9 if concept == "between" else None,
     }
 
 
@@ -56,7 +57,7 @@ def test_one_tree_of_each_concept_is_told() -> None:
     assert "tree 0 of yellow" in text
     assert "tree 1" not in text
     told = [line.split() for line in text.splitlines()]
-    expected = ("same", "0.001", "2", "0.910", "0.870", "0.90", "3.0")
+    expected = ("same", "0.001", "2", "0.910", "0.870", "0.90", "0.900", "3.0")
     assert [*TITLES["between"].split(), *expected] in told
 
 

@@ -41,6 +41,11 @@ class ConceptTrees:
         return self.rows.numbers("pss")
 
     @property
+    def best_ellipse(self) -> float:
+        """Mean score of the best single ellipse on the same test scenes; NaN where there is none."""
+        return float(self.rows.numbers("ellipse").mean())
+
+    @property
     def threshold(self) -> float | None:
         """What the mean score must reach, if anything."""
         return THRESHOLDS.get((self.concept, self.test)) if self.alpha == STRICT_ALPHA else None
@@ -69,16 +74,18 @@ def summarize(table: Table) -> Findings:
                 f"{trees.pss.mean():.3f}",
                 f"{trees.pss.min():.3f}",
                 "" if trees.threshold is None else f"{trees.threshold:.2f}",
+                "" if np.isnan(trees.best_ellipse) else f"{trees.best_ellipse:.3f}",
                 f"{trees.rows.numbers('leaves').mean():.1f}",
             )
         )
         if trees.threshold is not None:
             name = f"{TITLES[trees.concept]}, test scenes: {trees.test}: mean PSS"
             claims.append(Claim(name, float(trees.pss.mean()), low=trees.threshold))
-    header = ("concept", "test scenes", "alpha", "trees", "mean PSS", "lowest", "threshold", "mean leaves")
+    header = ("concept", "test scenes", "alpha", "trees", "mean PSS", "lowest", "threshold", "ellipse", "leaves")
     text = (
         "Peirce skill score of SMRF trees on test scenes like the training scenes, and on others\n"
-        f"(thresholds are for alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source)\n\n"
+        f"(thresholds are for alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source;\n"
+        "ellipse: what the best single ellipse scores on the same scenes; leaves: mean number)\n\n"
         + aligned(header, rows)
     )
     return Findings(text + "\n\n" + _told(table), tuple(claims))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.datasets import between_scenes, figure41_scenes, yellow_scenes
+from relforest.experiments.concepts.ellipse import CentredEllipse
 from relforest.experiments.concepts.settings import (
     CROWDED,
     LARGER,
@@ -30,10 +32,12 @@ Labelled: TypeAlias = tuple[Scenes, NDArray[np.bool_]]
 Draw: TypeAlias = Callable[[np.random.Generator, int], Labelled]
 
 _TRAINING, _TESTING, _LEARNING = 0, 1, 2
+_ELLIPSE_SEED: Final = 20_000
 
 
 def compute(setting: ConceptSetting, place: Place) -> list[Row]:
-    """Return a row per kind of test scenes: concept, alpha, replicate, test, pss, leaves, tree (in words).
+    """Return a row per kind of test scenes: concept, alpha, replicate, test, pss, leaves, tree (in words), and
+    for trees about "between" the score of the best single ellipse on the same test scenes.
 
     Training and test scenes depend on concept and replicate only: levels are compared on the same data.
 
@@ -59,9 +63,23 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
                 "pss": peirce_skill_score(truth, learner.predict(new_scenes)),
                 "leaves": learner.tree_.n_leaves,
                 "tree": str(learner.tree_),
+                "ellipse": _ellipse_score(draw, setting.n_scenes, (new_scenes, truth)),
             }
         )
     return rows
+
+
+def _ellipse_score(draw: Draw, n_scenes: int, tested: Labelled) -> float | None:
+    if draw not in (_between, _between_larger, _between_crowded):
+        return None
+    scenes, truth = tested
+    return peirce_skill_score(truth, _best_ellipse(draw, n_scenes).predict(scenes))
+
+
+@cache
+def _best_ellipse(draw: Draw, n_scenes: int) -> CentredEllipse:
+    """Fit the ellipse to so many scenes that its own score is nearly the best there is."""
+    return CentredEllipse.best(*draw(np.random.default_rng(_ELLIPSE_SEED), 20 * n_scenes))
 
 
 def _between(rng: np.random.Generator, n: int) -> Labelled:
