@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from relforest.mappings import Mapping, catalogue
 from relforest.scenes import Scenes
 from relforest.trees import TreeSettings
-from relforest.trees.candidates import Candidate, PreparedQuestion, best_candidate, prepare
+from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
 from relforest.trees.expansions import Expansion
 from relforest.trees.probabilities import assign
 from relforest.trees.sequences import Sequences, argument_places
@@ -174,9 +174,9 @@ def test_the_smaller_p_value_wins_and_then_the_larger_gain() -> None:
 def search(scenes: Scenes, labels: Booleans, *, attempts: int = 1) -> Candidate | None:
     questions, _ = at_root(scenes)
     presence = np.ones((1, len(scenes)), dtype=np.bool_)
-    context = (presence, 0, assign(presence, labels))
+    root = OpenLeaf(0, presence, assign(presence, labels))
     settings = TreeSettings(attempts=attempts)
-    return best_candidate(questions, labels, context, settings, np.random.default_rng(0))
+    return best_candidate(questions, labels, root, settings, np.random.default_rng(0))
 
 
 def test_the_best_candidate_of_an_obvious_concept() -> None:

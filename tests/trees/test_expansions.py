@@ -21,13 +21,11 @@ SHORT = {
 }
 
 
-def listed(
-    n_bound: int, n_parameters: int, mappings: tuple[Mapping, ...] = ALL, most_new: int = 3
-) -> list[str]:
+def listed(n_bound: int, n_parameters: int, mappings: tuple[Mapping, ...] = ALL) -> list[str]:
     """Such as "2 dAB": two new variables, distance of A and B."""
     return [
         f"{each.n_new} {SHORT[each.mapping.name]}{''.join('ABCDEFG'[v] for v in each.variables)}"
-        for each in expansions(mappings, n_bound, n_parameters, most_new=most_new)
+        for each in expansions(mappings, n_bound, n_parameters)
     ]
 
 
@@ -105,11 +103,6 @@ def test_the_same_question_is_never_asked_with_superfluous_variables() -> None:
     found = [(each.mapping.name, each.variables) for each in expansions(ALL, 0, 2)]
 
     assert len(found) == len(set(found))
-
-
-def test_fewer_new_variables_on_demand() -> None:
-    assert listed(0, 0, most_new=1) == ["1 iA"]
-    assert listed(0, 0, most_new=0) == []
 
 
 def test_without_mappings_there_is_nothing_to_ask() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from relforest.mappings import catalogue
 from relforest.trees import TreeSettings
-from relforest.trees.candidates import Candidate, PreparedQuestion, best_candidate, prepare
+from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
 from relforest.trees.permutation import _shuffled, permutation_p
 from relforest.trees.probabilities import assign
 from relforest.trees.sequences import Sequences, argument_places
@@ -27,9 +27,9 @@ def problem() -> tuple[list[PreparedQuestion], np.ndarray[tuple[int], np.dtype[n
     mappings = catalogue(scenes.schema)
     questions, _ = prepare(scenes, argument_places(scenes), Sequences.empty(N), mappings, 1000)
     presence = np.ones((1, N), dtype=np.bool_)
-    context = (presence, 0, assign(presence, labels))
+    root = OpenLeaf(0, presence, assign(presence, labels))
     settings = TreeSettings(attempts=1)
-    found = best_candidate(questions, labels, context, settings, np.random.default_rng(RNG_SEED))
+    found = best_candidate(questions, labels, root, settings, np.random.default_rng(RNG_SEED))
     assert found is not None
     return questions, labels, found
 
@@ -38,8 +38,8 @@ def p_value(found: Candidate, *, permutations: int = 39, alpha: float = 0.05) ->
     questions, labels, _ = problem()
     presence = np.ones((1, N), dtype=np.bool_)
     settings = TreeSettings(alpha=alpha, permutations=permutations, attempts=1)
-    context = (presence, 0, assign(presence, labels))
-    return permutation_p(found, questions, labels, context, settings, np.random.default_rng(0))
+    root = OpenLeaf(0, presence, assign(presence, labels))
+    return permutation_p(found, questions, labels, root, settings, np.random.default_rng(0))
 
 
 def test_what_no_shuffle_equals_has_the_smallest_p_value() -> None:
@@ -74,8 +74,8 @@ def test_equally_good_shuffles_count_against_it() -> None:
     questions, labels, found = problem()
     presence = np.ones((1, N), dtype=np.bool_)
     shuffled = _shuffled(labels, np.zeros(N, dtype=np.int64), np.random.default_rng(0))
-    context = (presence, 0, assign(presence, shuffled))
-    null = best_candidate(questions, shuffled, context, TreeSettings(attempts=1), np.random.default_rng(0))
+    root = OpenLeaf(0, presence, assign(presence, shuffled))
+    null = best_candidate(questions, shuffled, root, TreeSettings(attempts=1), np.random.default_rng(0))
     assert null is not None
     typical = replace(found, p_value=null.p_value, gain=null.gain)
 

@@ -19,13 +19,13 @@ from relforest.reports import QuestionPoints
 from relforest.support.errors import ModelFormatError, RelforestError
 from relforest.support.files import read_json, write_json
 from relforest.trees import Question, Tree
+from relforest.trees.tree import FORMAT as TREE_FORMAT
+from relforest.trees.tree import VERSION as TREE_VERSION
 
 FORMAT: Final = "relforest-model"
 VERSION: Final = 1
 MOST_POINTS: Final = 150
 """Most points of either class that are stored for a question."""
-
-_TREE_FORMAT: Final = "relforest-tree"
 
 Label = bool | int | str
 
@@ -105,7 +105,7 @@ def read_model(path: Path) -> Model:
         document = read_json(path, format=FORMAT, version=VERSION)
     except ModelFormatError as error:
         try:
-            bare = read_json(path, format=_TREE_FORMAT, version=1)
+            bare = read_json(path, format=TREE_FORMAT, version=TREE_VERSION)
         except ModelFormatError:
             raise error from None
         return Model(_tree(path, bare), "", (False, True), None)

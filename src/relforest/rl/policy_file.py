@@ -22,6 +22,8 @@ from relforest.smdp import ActionType
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import read_json, read_npz, write_json, write_npz
 from relforest.trees import Tree
+from relforest.trees.tree import FORMAT as TREE_FORMAT
+from relforest.trees.tree import VERSION as TREE_VERSION
 
 FORMAT: Final = "relforest-policy"
 VERSION: Final = 1
@@ -153,7 +155,7 @@ def _read_parts(folder: Path) -> ValueFunction | None:
 
 
 def _read_tree(path: Path) -> Tree:
-    document = read_json(path, format="relforest-tree", version=1)
+    document = read_json(path, format=TREE_FORMAT, version=TREE_VERSION)
     try:
         return Tree.from_dict(document)
     except (ModelFormatError, InputError) as error:

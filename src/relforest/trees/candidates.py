@@ -130,6 +130,35 @@ class Candidate:
         return (self.p_value, -self.gain) <= (other.p_value, -other.gain)
 
 
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class OpenLeaf:
+    """A leaf to be expanded, and how the present tree explains the scenes.
+
+    Parameters
+    ----------
+    leaf : int
+        Ordinal of the leaf.
+    presence : bool ndarray (n_leaves, n_scenes)
+        Scenes that arrive at each leaf.
+    assignment : Assignment
+        Which leaf decides each scene, and the probabilities.
+    """
+
+    leaf: int
+    presence: NDArray[np.bool_]
+    assignment: Assignment
+
+    def relabelled(self, labels: NDArray[np.bool_]) -> OpenLeaf:
+        """The same leaf of the same tree, with probabilities from other labels."""
+        return OpenLeaf(self.leaf, self.presence, assign(self.presence, labels))
+
+    def expanded(self, below: NDArray[np.bool_], labels: NDArray[np.bool_]) -> Assignment:
+        """The assignment if leaves with presence `below` replaced this one."""
+        presence = (self.presence[: self.leaf], below, self.presence[self.leaf + 1 :])
+        return assign(np.vstack(presence), labels)
+
+
 def prepare(
     scenes: Scenes,
     places: NDArray[np.int64],
@@ -166,18 +195,13 @@ def _too_many(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64], m
 def best_candidate(
     questions: list[PreparedQuestion],
     labels: NDArray[np.bool_],
-    context: tuple[NDArray[np.bool_], int, Assignment],
+    at: OpenLeaf,
     settings: SearchSettings,
     rng: np.random.Generator,
 ) -> Candidate | None:
-    """The most significant volume over all questions and attempts; None if no volume separates anything.
-
-    `context` is the presence (n_leaves, n_scenes) of scenes at the present leaves, the leaf to expand,
-    and the present probabilities.
-    """
+    """The most significant volume over all questions and attempts; None if no volume separates anything."""
     best: Candidate | None = None
     n_tried = 0
-    presence, leaf, assignment = context
     for question in questions:
         mapping = question.expansion.mapping
         for _ in range(settings.attempts):
@@ -194,8 +218,7 @@ def best_candidate(
             if found is None:
                 continue
             below = question.presence(found.volume)
-            expanded = assign(np.vstack([presence[:leaf], below, presence[leaf + 1 :]]), labels)
-            gain = expanded.log_likelihood - assignment.log_likelihood
+            gain = at.expanded(below, labels).log_likelihood - at.assignment.log_likelihood
             n_parameters = added_parameters(mapping, has_errors=bool(below[ERROR].any()))
             p_value = likelihood_ratio_p(gain, n_parameters)
             candidate = Candidate(question, found.volume, below, gain, p_value, 0)

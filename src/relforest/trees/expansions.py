@@ -32,9 +32,7 @@ class Expansion:
     variables: tuple[int, ...]
 
 
-def expansions(
-    mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int, *, most_new: int = 3
-) -> Iterator[Expansion]:
+def expansions(mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int) -> Iterator[Expansion]:
     """All expansions of a leaf that can lead to different volumes, those with fewer new variables first.
 
     A question refers to every new variable that ranges over objects; variables that stand for action
@@ -49,13 +47,10 @@ def expansions(
         Variables already bound at the leaf.
     n_parameters : int
         How many of the first variables stand for action arguments.
-    most_new : int
-        Largest number of new variables that range over objects. More than the largest arity is never
-        needed.
     """
     largest_arity = max((mapping.arity for mapping in mappings), default=0)
     beyond_arguments = max(n_bound, n_parameters)
-    most = beyond_arguments + min(most_new, largest_arity) - n_bound
+    most = beyond_arguments + largest_arity - n_bound
     for n_new in range(most + 1):
         n_variables = n_bound + n_new
         free = tuple(range(beyond_arguments, n_variables))

@@ -11,7 +11,7 @@ import numpy as np
 from relforest.mappings import catalogue
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range, one_of
-from relforest.trees.candidates import Candidate, PreparedQuestion, best_candidate, prepare
+from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.permutation import permutation_p
 from relforest.trees.probabilities import Assignment, assign, potential
@@ -181,9 +181,9 @@ def grow(
             break
         questions, left_out = prepare(scenes, places, state.sequences[leaf], mappings, settings.max_points)
         n_left_out += left_out
-        context = (state.presence, leaf, assignment)
-        found = best_candidate(questions, labels, context, settings, rng)
-        p_value = None if found is None else _tested(found, questions, labels, context, settings, rng)
+        at = OpenLeaf(leaf, state.presence, assignment)
+        found = best_candidate(questions, labels, at, settings, rng)
+        p_value = None if found is None else _tested(found, questions, labels, at, settings, rng)
         if found is None or p_value is None:
             state = state.closed(leaf)
             continue
@@ -238,12 +238,12 @@ def _tested(
     found: Candidate,
     questions: list[PreparedQuestion],
     labels: NDArray[np.bool_],
-    context: tuple[NDArray[np.bool_], int, Assignment],
+    at: OpenLeaf,
     settings: TreeSettings,
     rng: np.random.Generator,
 ) -> float | None:
     """P-value of the best candidate if it is significant, else None."""
     if settings.test == "permutation":
-        p_value = permutation_p(found, questions, labels, context, settings, rng)
+        p_value = permutation_p(found, questions, labels, at, settings, rng)
         return p_value if p_value <= settings.alpha else None
     return found.p_value if found.p_value < sidak(settings.alpha, found.n_tried) else None

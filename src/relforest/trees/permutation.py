@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from relforest.trees.candidates import Candidate, PreparedQuestion, SearchSettings, best_candidate
-from relforest.trees.probabilities import Assignment, assign
+from relforest.trees.candidates import (
+    Candidate,
+    OpenLeaf,
+    PreparedQuestion,
+    SearchSettings,
+    best_candidate,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +37,7 @@ def permutation_p(
     found: Candidate,
     questions: list[PreparedQuestion],
     labels: NDArray[np.bool_],
-    context: tuple[NDArray[np.bool_], int, Assignment],
+    at: OpenLeaf,
     settings: PermutationSettings,
     rng: np.random.Generator,
 ) -> float:
@@ -51,13 +56,11 @@ def permutation_p(
     ----------
     Besag and Clifford (1991), Sequential Monte Carlo p-values, Biometrika 78(2), for the early stop.
     """
-    presence, leaf, assignment = context
     allowed = math.floor(settings.alpha * (settings.permutations + 1) + 1e-9) - 1
     as_good = 0
     for _ in range(settings.permutations):
-        shuffled = _shuffled(labels, assignment.winner, rng)
-        null_context = (presence, leaf, assign(presence, shuffled))
-        null = best_candidate(questions, shuffled, null_context, settings, rng)
+        shuffled = _shuffled(labels, at.assignment.winner, rng)
+        null = best_candidate(questions, shuffled, at.relabelled(shuffled), settings, rng)
         as_good += null is not None and null.beats(found)
         if as_good > allowed:
             break

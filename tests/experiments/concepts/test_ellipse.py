@@ -18,7 +18,7 @@ def scene(*others: tuple[float, float]) -> Scenes:
 def test_an_object_inside_makes_a_scene_positive() -> None:
     ellipse = CentredEllipse(0.3, 0.1)
 
-    # (0.15, 1): u = .5, v = .075 <= .1 inside; (0.25, 1): v = .125 outside; (0, 1.7): u = .85, .35 from the middle.
+    # (0.15, 1): u = .5, v = .075 <= .1 inside; (0.25, 1): v = .125 outside; (0, 1.7): u = .85.
     assert ellipse.predict(scene((0.15, 1.0), (9.0, 9.0))).tolist() == [True]
     assert ellipse.predict(scene((0.25, 1.0), (0.0, 1.7))).tolist() == [False]
 

@@ -81,7 +81,17 @@ def summarize(table: Table) -> Findings:
         if trees.threshold is not None:
             name = f"{TITLES[trees.concept]}, test scenes: {trees.test}: mean PSS"
             claims.append(Claim(name, float(trees.pss.mean()), low=trees.threshold))
-    header = ("concept", "test scenes", "alpha", "trees", "mean PSS", "lowest", "threshold", "ellipse", "leaves")
+    header = (
+        "concept",
+        "test scenes",
+        "alpha",
+        "trees",
+        "mean PSS",
+        "lowest",
+        "threshold",
+        "ellipse",
+        "leaves",
+    )
     text = (
         "Peirce skill score of SMRF trees on test scenes like the training scenes, and on others\n"
         f"(thresholds are for alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source;\n"

@@ -36,8 +36,9 @@ _ELLIPSE_SEED: Final = 20_000
 
 
 def compute(setting: ConceptSetting, place: Place) -> list[Row]:
-    """Return a row per kind of test scenes: concept, alpha, replicate, test, pss, leaves, tree (in words), and
-    for trees about "between" the score of the best single ellipse on the same test scenes.
+    """Return a row per kind of test scenes: concept, alpha, replicate, test, pss, leaves, tree, ellipse.
+
+    The last one, for trees about "between", is the score of the best single ellipse on the same test scenes.
 
     Training and test scenes depend on concept and replicate only: levels are compared on the same data.
 
