@@ -1,0 +1,161 @@
+"""A team of Sarsa agents as files: ``sarsa.json`` and the weights that it names.
+
+The weights lie in a file named for their content, which is written before ``sarsa.json`` names it, so that an
+interruption leaves the model before or the model after, never a mixture.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from relforest.rl.peers.feature_map import FeatureMap
+from relforest.rl.peers.kernels import LIMIT
+from relforest.rl.peers.sarsa import SarsaLambda
+from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.peers.tile_coding import TileCoding
+from relforest.scenes.arrays import FloatArray
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.files import read_json, read_npz, write_json, write_npz
+from relforest.support.rng import RandomState, seed_sequence, stream
+
+FORMAT: Final = "relforest-sarsa"
+VERSION: Final = 1
+MODEL: Final = "sarsa.json"
+MAX_AGENTS: Final = 1000
+
+_WEIGHTS_FILE: Final = re.compile(r"sarsa-[0-9a-f]{16}\.npz")
+
+
+def write_team(folder: str | os.PathLike[str], team: Sequence[SarsaLambda[Any]]) -> None:
+    """Write the weights of agents and which of them share some; traces and random streams are not kept.
+
+    Parameters
+    ----------
+    folder : path
+        Where to write; a model that is there is replaced.
+    team : sequence of SarsaLambda
+        At least one agent and at most 1000, all with the same options and feature map.
+
+    Raises
+    ------
+    InputError
+        If there is no agent, or they differ in more than their weights.
+    """
+    if not 1 <= len(team) <= MAX_AGENTS:
+        raise InputError(f"a team must have 1 to {MAX_AGENTS} agents, got {len(team)}")
+    settings, features = team[0].settings, team[0].features.to_dict()
+    for number, agent in enumerate(team):
+        if agent.settings != settings or agent.features.to_dict() != features:
+            raise InputError(f"agent {number} has other options or features than agent 0; write it elsewhere")
+    vectors = {id(agent.weights): agent.weights for agent in team}
+    rows = {key: row for row, key in enumerate(vectors)}
+    weights = np.stack(list(vectors.values()))
+    if not np.abs(weights).max() <= LIMIT:
+        raise InputError("the weights are not finite: learning diverged; use a lower alpha")
+    name = f"sarsa-{_digest(weights)}.npz"
+    write_npz(Path(folder) / name, {"weights": weights})
+    write_json(
+        Path(folder) / MODEL,
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "weights": name,
+            "agents": [rows[id(agent.weights)] for agent in team],
+            "settings": settings.to_dict(),
+            "features": features,
+        },
+    )
+    for path in sorted(Path(folder).iterdir()):
+        if _WEIGHTS_FILE.fullmatch(path.name) and path.name != name:
+            path.unlink()
+
+
+def read_team(
+    folder: str | os.PathLike[str],
+    features: FeatureMap[Any] | None = None,
+    *,
+    learn: bool = True,
+    random_state: RandomState = None,
+) -> tuple[SarsaLambda[Any], ...]:
+    """Read what `write_team` wrote; agents that shared weights share them again.
+
+    Parameters
+    ----------
+    folder : path
+        Where the model lies.
+    features : FeatureMap, optional
+        The feature map of the model. Only tile coding can be read from the file.
+    learn : bool
+        Whether the agents go on learning.
+    random_state : int, SeedSequence, Generator or None
+        Seed of the team, as in `relforest.rl.peers.team.make_team`.
+
+    Raises
+    ------
+    ModelFormatError
+        If a file is missing or malformed, or the features are not those of the model.
+    """
+    path = Path(folder) / MODEL
+    document = read_json(path, format=FORMAT, version=VERSION)
+    settings = SarsaSettings.from_dict(document.get("settings"))
+    view = _feature_map(document.get("features"), features, path)
+    weights = _read_weights(document.get("weights"), view.n_features, path)
+    seed = seed_sequence(random_state)
+    return tuple(
+        SarsaLambda(view, settings, weights=weights[row], learn=learn, random_state=stream(seed, i))
+        for i, row in enumerate(_rows(document.get("agents"), len(weights), path))
+    )
+
+
+def _feature_map(stored: object, given: FeatureMap[Any] | None, path: Path) -> FeatureMap[Any]:
+    if given is None:
+        if isinstance(stored, Mapping) and stored.get("kind") == "tiles":
+            return TileCoding.from_dict(stored)
+        raise ModelFormatError(
+            f"the features of {path} are {stored!r:.200}; only tile coding can be read from a file: "
+            "give the feature map they were made with"
+        )
+    if given.to_dict() != stored:
+        raise ModelFormatError(
+            f"{path} was learned with other features: {stored!r:.200} there, {given.to_dict()!r:.200} here"
+        )
+    return given
+
+
+def _read_weights(name: object, n_features: int, path: Path) -> list[FloatArray]:
+    # A model from elsewhere must not make us read files outside its folder.
+    if not isinstance(name, str) or not _WEIGHTS_FILE.fullmatch(name):
+        raise ModelFormatError(f"{path} names no file of weights: {name!r:.200}")
+    table = read_npz(path.parent / name, ["weights"])["weights"]
+    if table.dtype != np.float64 or table.ndim != 2 or table.shape[1] != n_features:
+        raise ModelFormatError(
+            f"{path.parent / name} must hold rows of {n_features} float64, as {path} says, "
+            f"got {table.dtype} of shape {table.shape}"
+        )
+    if not (np.abs(table) <= LIMIT).all():
+        raise ModelFormatError(f"{path.parent / name} holds weights that are not finite")
+    # Rows of their own: agents that do not share weights should share nothing.
+    return [np.array(row) for row in table]
+
+
+def _rows(agents: object, n_rows: int, path: Path) -> list[int]:
+    if not isinstance(agents, list) or not 1 <= len(agents) <= MAX_AGENTS:
+        raise ModelFormatError(f"{path} must list 1 to {MAX_AGENTS} agents, got {agents!r:.200}")
+    valid = all(type(row) is int and 0 <= row < n_rows for row in agents)
+    if not valid or set(agents) != set(range(n_rows)):
+        raise ModelFormatError(
+            f"{path} must give each agent one of the {n_rows} rows of weights, and none in vain, "
+            f"got {agents!r:.200}"
+        )
+    return agents
+
+
+def _digest(weights: FloatArray) -> str:
+    return blake2b(weights.tobytes(), digest_size=8).hexdigest()
