@@ -10,7 +10,8 @@ Conventions of the Gymnasium face of a world
 - The action space is a flat ``Discrete`` space; `Decision.indices` names the members that are available, and
   ``info["action_mask"]`` (int8 over the whole space) marks the same ones.
 - ``info["scene"]`` is a `relforest.Scenes` of length 1: the objects of the state, no arguments bound.
-- ``info["duration"]``, after a step, is how long the action took, positive, in the world's units of time.
+- ``info["duration"]``, after a step, is how long the action took in the world's units of time, finite and not
+  negative. It is 0 where another agent must choose at the same moment, before any time passes.
 - The reward of ``env.step`` is the undiscounted total inside the action; ``info["discounted_reward"]`` is
   the total discounted to the beginning of the action, and may be left out where it equals the reward.
 - ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` a limit of time.

@@ -104,13 +104,32 @@ class Stuck(Picking):
         )
 
 
-class Timeless(Picking):
+class Reporting(Picking):
+    """Reports after every step what it is told to report."""
+
+    def __init__(self, **info: float) -> None:
+        super().__init__()
+        self.info = info
+
     def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        return *super().step(action)[:4], {"duration": 0.0}
+        return *super().step(action)[:4], dict(self.info)
+
+
+def test_a_step_may_take_no_time() -> None:
+    found = rollout(Reporting(duration=0.0), Last(), 1, SEED)
+    assert found.durations.tolist() == [0.0, 0.0, 0.0]
+    assert found.episode_durations.tolist() == [0.0]
 
 
 def test_worlds_that_break_the_conventions_are_named() -> None:
     with pytest.raises(InputError, match="Stuck offers no action"):
         rollout(Stuck(), Last(), 1, SEED)
-    with pytest.raises(InputError, match=r'Timeless must report a positive info\["duration"\]'):
-        rollout(Timeless(), Last(), 1, SEED)
+
+
+@pytest.mark.parametrize(
+    ("info", "found"), [({"duration": -1.0}, "-1.0"), ({"duration": np.inf}, "inf"), ({}, "nan")]
+)
+def test_durations_are_finite_and_not_negative(info: dict[str, float], found: str) -> None:
+    message = rf'Reporting must report a finite info\["duration"\] of at least 0 after a step, got {found}'
+    with pytest.raises(InputError, match=message):
+        rollout(Reporting(**info), Last(), 1, SEED)

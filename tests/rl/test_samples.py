@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from relforest.rl.policy import RandomPolicy
@@ -46,6 +48,15 @@ def test_a_truncated_episode_may_count_as_ended() -> None:
     transitions = drawn(bootstrap=False).lspi
     assert transitions.discounts.tolist() == [0.25, 0.0, 0.0]
     assert transitions.next_starts.tolist() == [0, 2, 2, 2]
+
+
+def test_what_follows_at_the_same_moment_is_not_discounted() -> None:
+    at_once = replace(two_episodes(), durations=np.array([0.0, 2.0, 1.0]))
+    samples = draw_samples(
+        [at_once], SCHEMAS, discount=0.5, max_samples=100, bootstrap_on_truncation=True, seed=SEED
+    )
+    # 0.5 ** 0; terminal; 0.5 ** 1.
+    assert samples.lspi.discounts.tolist() == [1.0, 0.0, 0.5]
 
 
 def test_labels_come_from_the_latest_batch_and_policies_from_all() -> None:

@@ -141,6 +141,10 @@ def test_the_corridor_passes_wrapped_and_unwrapped() -> None:
     check_world(lambda: gymnasium.make("relforest/Corridor-v0"), seed=3, steps=25)
 
 
+def test_a_step_may_take_no_time() -> None:
+    check_world(corridor(**stepping(duration=0.0)), steps=5)
+
+
 def test_a_world_with_arguments_padding_options_and_terminal_states_passes() -> None:
     check_world(Picking)
 
@@ -319,7 +323,10 @@ def test_trajectories_depend_on_the_seed_only() -> None:
             after(lambda observation, _: observation["location"].fill(0.123)),
             "observation: 'location' must hold the objects",
         ),
-        (stepping(duration=0.0), r'step: info\["duration"\] must be a finite number above 0, got 0.0'),
+        (
+            stepping(duration=-0.5),
+            r'step: info\["duration"\] must be a finite number of at least 0, got -0.5',
+        ),
         (stepping(duration=None), r'step: info\["duration"\]'),
         (stepping(duration=np.inf), r'step: info\["duration"\]'),
         (stepping(discounted_reward=np.inf), r'step: info\["discounted_reward"\] must be a finite number'),

@@ -111,9 +111,10 @@ def _play(
 
 
 def _duration(info: dict[str, Any], world: World) -> float:
-    duration = float(info.get("duration", 0.0))
-    if not 0.0 < duration < np.inf:
+    duration = float(info.get("duration", np.nan))
+    if not 0.0 <= duration < np.inf:
         raise InputError(
-            f'{type(world).__name__} must report a positive info["duration"] after a step, got {duration}'
+            f'{type(world).__name__} must report a finite info["duration"] of at least 0 after a step, '
+            f"got {duration}"
         )
     return duration

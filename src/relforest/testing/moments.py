@@ -189,8 +189,8 @@ def _check_step(
     if not is_finite(reward):
         raise violation("step", f"the reward must be a finite number, got {reward!r}")
     duration = info.get("duration")
-    if not is_finite(duration) or duration <= 0:
-        raise violation("step", f'info["duration"] must be a finite number above 0, got {duration!r}')
+    if not is_finite(duration) or duration < 0:
+        raise violation("step", f'info["duration"] must be a finite number of at least 0, got {duration!r}')
     discounted = info.get("discounted_reward", reward)
     if not is_finite(discounted):
         raise violation("step", f'info["discounted_reward"] must be a finite number, got {discounted!r}')
