@@ -9,6 +9,8 @@ import pytest
 from relforest.support.errors import InputError
 from relforest.worlds import ENVIRONMENT_IDS, environment_id, register_worlds
 from relforest.worlds.corridor.env import CorridorEnv
+from relforest.worlds.keepaway.env import KeepawayEnv
+from relforest.worlds.keepaway.vector import KeepawayVectorEnv
 
 
 def test_every_named_world_can_be_made() -> None:
@@ -22,6 +24,18 @@ def test_the_corridor_is_made_by_its_identifier_with_options() -> None:
     env = gymnasium.make("relforest/Corridor-v0", max_steps=3)
     assert isinstance(env.unwrapped, CorridorEnv)
     assert env.unwrapped.max_steps == 3
+
+
+def test_keepaway_is_made_by_its_identifier_with_options() -> None:
+    env = gymnasium.make("relforest/Keepaway-v0", keepers=4, takers=3, size=25.0)
+    assert isinstance(env.unwrapped, KeepawayEnv)
+    assert (env.unwrapped.setup.keepers, env.unwrapped.setup.length) == (4, 25.0)
+
+
+def test_many_games_are_made_at_once() -> None:
+    envs = gymnasium.make_vec("relforest/Keepaway-v0", num_envs=2, takers=1)
+    assert isinstance(envs, KeepawayVectorEnv)
+    assert (envs.num_envs, envs.setup.takers) == (2, 1)
 
 
 def test_registering_again_changes_nothing() -> None:
@@ -40,5 +54,21 @@ def test_gymnasium_can_import_the_library_by_itself() -> None:
 
 
 def test_an_unknown_world_is_an_error_that_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match="world must be one of 'corridor', got 'labyrinth'"):
+    with pytest.raises(InputError, match="world must be one of 'corridor', 'keepaway', got 'labyrinth'"):
         environment_id("labyrinth")
+
+
+def test_without_pettingzoo_only_its_face_is_missing_and_the_error_names_the_remedy() -> None:
+    script = """
+import sys
+sys.modules["pettingzoo"] = None
+import gymnasium, relforest
+gymnasium.make("relforest/Keepaway-v0")
+try:
+    import relforest.worlds.keepaway.parallel
+except ImportError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "pip install 'relforest[pettingzoo]'" in done.stdout

@@ -10,11 +10,21 @@ import gymnasium
 
 from relforest.support.options import one_of
 
-ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType({"corridor": "relforest/Corridor-v0"})
+ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType(
+    {"corridor": "relforest/Corridor-v0", "keepaway": "relforest/Keepaway-v0"}
+)
 """Name of a world, as the command line has it -> its identifier for ``gymnasium.make``."""
 
 _ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
-    {"relforest/Corridor-v0": "relforest.worlds.corridor.env:CorridorEnv"}
+    {
+        "relforest/Corridor-v0": "relforest.worlds.corridor.env:CorridorEnv",
+        "relforest/Keepaway-v0": "relforest.worlds.keepaway.env:KeepawayEnv",
+    }
+)
+
+# Worlds that play many games at once; `gymnasium.make_vec` prefers these.
+_VECTOR_ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
+    {"relforest/Keepaway-v0": "relforest.worlds.keepaway.vector:KeepawayVectorEnv"}
 )
 
 
@@ -42,7 +52,11 @@ def register_worlds() -> None:
     """
     for identifier, entry_point in _ENTRY_POINTS.items():
         if identifier not in gymnasium.registry:
-            gymnasium.register(identifier, entry_point=entry_point)
+            gymnasium.register(
+                identifier,
+                entry_point=entry_point,
+                vector_entry_point=_VECTOR_ENTRY_POINTS.get(identifier),
+            )
 
 
 register_worlds()

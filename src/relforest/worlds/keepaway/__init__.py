@@ -1,0 +1,35 @@
+"""Keepaway: keepers pass a ball among themselves, takers try to get it; RoboCup's benchmark in one process.
+
+The game of Stone et al. (2006), with the motion of the RoboCup 2-D server and the scripted players of the
+benchmark, as compiled kernels (Palmer (2015), section 7.5). It is made by
+``gymnasium.make("relforest/Keepaway-v0")``; `episode_durations` plays many episodes without an environment.
+
+Start with `layout` (what a game is made of). The server is `randomness`, `physics` and `referee`, and
+`bounds` checks recorded steps against it; the players are `views`, `memory` and `roles`, and what these
+import; `advance` puts both together, and `durations` and `events` count. `scene`, `variables` and `policies`
+are what learners see; `env`, `vector`, `parallel` and `wrapper` only wire them, `viewer` and `page` draw.
+"""
+
+from __future__ import annotations
+
+from relforest.worlds.keepaway.durations import Played, episode_durations, play_episodes
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.policies import HandCodedPolicy, HoldPolicy, RandomPolicy
+from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
+from relforest.worlds.keepaway.variables import n_variables, state_variables, tile_widths, variable_names
+
+__all__ = [
+    "ACTION_TYPES",
+    "SCHEMA",
+    "HandCodedPolicy",
+    "HoldPolicy",
+    "KeepawayOptions",
+    "Played",
+    "RandomPolicy",
+    "episode_durations",
+    "n_variables",
+    "play_episodes",
+    "state_variables",
+    "tile_widths",
+    "variable_names",
+]

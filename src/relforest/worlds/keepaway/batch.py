@@ -1,0 +1,231 @@
+"""A batch of games that are played from one decision to the next, all with one call of a kernel.
+
+`env`, `vector` and `parallel` are three faces of it. A game depends on its own seed and actions alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final, NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.scenes import Scenes
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from relforest.support.jit import kernel
+from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, advance
+from relforest.worlds.keepaway.games import new_games
+from relforest.worlds.keepaway.layout import CAPPED, END, OUT, TAKEN, TIME, Games, Setup
+from relforest.worlds.keepaway.memory import DECIDED
+from relforest.worlds.keepaway.referee import place
+from relforest.worlds.keepaway.scene import attributes_of, blank_scenes, decision, describe, objects
+from relforest.worlds.keepaway.variables import by_distance, n_variables, nearest_keeper, state_variables
+from relforest.worlds.keepaway.views import Work, new_work
+
+DISCOUNT: Final = 0.9
+"""Discount factor per cycle (Palmer (2015), section 7.4)."""
+
+END_NAMES: Final = {OUT: "out", TAKEN: "taken", CAPPED: "capped"}
+"""How an episode ended -> its name."""
+
+START: Final = -1
+RESTART: Final = -2
+"""Codes beside the actions: begin with the players as they are placed, or place them first."""
+
+MOST_REPLAYS: Final = 1000
+"""Episodes without any decision in a row before a game is given up."""
+
+
+class Seen(NamedTuple):
+    """What G games show from outside: G games, n players (K keepers), v state variables."""
+
+    objects: NDArray[np.float64]  # (G, n, 6) of the scene
+    variables: NDArray[np.float64]  # (G, v)
+    receivers: NDArray[np.int64]  # (G, K - 1) teammates of the actor in the order of the actions
+    last_times: NDArray[np.int64]  # (G, K) when each keeper last had the ball, -1 = not in this episode
+    actors: NDArray[np.int64]  # (G,) the keeper that must decide, or NOBODY
+    elapsed: NDArray[np.int64]  # (G,) cycles since the decision before, 0 at the first one
+    skipped: NDArray[np.int64]  # (G,) episodes without a decision before this one
+
+
+@final
+class Batch:
+    """Games with the same rules, each waiting for a decision or at its end.
+
+    Parameters
+    ----------
+    setup : Setup
+        What the games have in common.
+    n_games : int
+        How many there are; `begin` them first.
+    """
+
+    def __init__(self, setup: Setup, n_games: int) -> None:
+        self.setup = setup
+        self.games = Games(*_repeated(new_games(setup, [np.random.SeedSequence(0)]), n_games))
+        self._works = Work(*_repeated([array[None] for array in new_work(setup)], n_games))
+        keepers, takers = setup.keepers, setup.takers
+        self.seen = Seen(
+            objects=np.tile(objects(keepers, takers), (n_games, 1, 1)),
+            variables=np.zeros((n_games, n_variables(keepers, takers))),
+            receivers=np.zeros((n_games, keepers - 1), dtype=np.int64),
+            last_times=np.zeros((n_games, keepers), dtype=np.int64),
+            actors=np.full(n_games, NOBODY),
+            elapsed=np.zeros(n_games, dtype=np.int64),
+            skipped=np.zeros(n_games, dtype=np.int64),
+        )
+        self._blank = blank_scenes(n_games, keepers, takers)
+
+    def __len__(self) -> int:
+        """Return the number of games."""
+        return len(self.seen.actors)
+
+    @property
+    def ends(self) -> NDArray[np.int64]:
+        """How each episode stands or ended, (G,): PLAYING, OUT, TAKEN or CAPPED."""
+        return self.games.counters[:, END]
+
+    @property
+    def times(self) -> NDArray[np.int64]:
+        """Cycles since each episode began, (G,)."""
+        return self.games.counters[:, TIME]
+
+    def begin(self, seeds: Sequence[np.random.SeedSequence | None]) -> None:
+        """Begin an episode in each game: a new game where there is a seed, else the next of the same game.
+
+        Raises
+        ------
+        InputError
+            If episode after episode ends before any keeper has the ball.
+        """
+        codes = np.full(len(self), RESTART)
+        for g, seed in enumerate(seeds):
+            if seed is not None:
+                for mine, fresh in zip(self.games, new_games(self.setup, [seed]), strict=True):
+                    mine[g] = fresh[0]
+                codes[g] = START
+        self.play(codes)
+
+    def play(self, actions: NDArray[np.int64]) -> None:
+        """Play each game on to its next decision, or to its end.
+
+        Parameters
+        ----------
+        actions : (G,) int64
+            The answer to the pending decision: 0 = hold, i = pass to the i-th of the receivers; or `START`
+            or `RESTART`. It is not checked.
+
+        Raises
+        ------
+        InputError
+            If episode after episode ends before any keeper has the ball.
+        """
+        if play_games(self.games, self._works, self.setup, actions, self.seen) >= MOST_REPLAYS:
+            raise InputError(
+                f"{MOST_REPLAYS} episodes in a row ended before any keeper had the ball: choose a larger "
+                f"max_cycles than {self.setup.max_cycles}, or 0 for none"
+            )
+
+    def observation(self) -> dict[str, NDArray[Any]]:
+        """Return the padded scenes, arrays of length G."""
+        shape = self.seen.objects.shape[:2]
+        return {**attributes_of(self.seen.objects), "mask": np.ones(shape, dtype=np.int8)}
+
+    def info(self) -> dict[str, NDArray[Any]]:
+        """Return what there is to know about every decision, arrays of length G."""
+        keepers = self.setup.keepers
+        mask = np.repeat((self.seen.actors != NOBODY).astype(np.int8)[:, None], keepers, axis=1)
+        return {
+            "actor": self.seen.actors.copy(),
+            "time": self.times.copy(),
+            "last_times": self.seen.last_times.copy(),
+            "variables": self.seen.variables.copy(),
+            "action_mask": mask,
+        }
+
+    def scenes(self) -> Scenes:
+        """Return one scene per game."""
+        return self._blank.with_matrix(self.seen.objects.reshape(self._blank.matrix.shape).copy())
+
+    def decision(self, g: int) -> Decision:
+        """Return the objects and the available actions of one game."""
+        seen = self.seen
+        return decision(seen.objects[g].copy(), int(seen.actors[g]), seen.receivers[g])
+
+    def discounted(self) -> NDArray[np.float64]:
+        """Return the sum of `DISCOUNT` ** k over the cycles k = 0, 1, ... since the decision before, (G,)."""
+        powers: NDArray[np.float64] = DISCOUNT ** self.seen.elapsed.astype(np.float64)
+        return (1.0 - powers) / (1.0 - DISCOUNT)
+
+
+@kernel
+def play_games(games: Games, works: Work, setup: Setup, actions: NDArray[np.int64], seen: Seen) -> int:
+    """Play every game on to its next decision or its end, see `Batch.play`.
+
+    ``works`` is the work space of all games: each array with one more axis in front. Returns the largest
+    number of episodes that a game which began has passed over.
+    """
+    most = 0
+    for g in range(len(actions)):
+        work = _own_work(works, g)
+        actor = _play(games, g, setup, actions[g], work, seen)
+        _look(games, g, setup, actor, work, seen)
+        if actions[g] < 0:
+            most = max(most, seen.skipped[g])
+    return most
+
+
+@kernel
+def _own_work(works: Work, g: int) -> Work:
+    # What the players of a game see must wait there for the answer to a question.
+    return Work(
+        works.views[g],
+        works.balls[g],
+        works.facing[g],
+        works.gaps[g],
+        works.pursuits[g],
+        works.grid[g],
+        works.crowding[g],
+    )
+
+
+@kernel
+def _play(games: Games, g: int, setup: Setup, action: int, work: Work, seen: Seen) -> int:
+    if action >= 0:
+        before = games.counters[g, TIME]
+        actor = advance(games, g, setup, ASK, action, work)
+        seen.elapsed[g] = games.counters[g, TIME] - before
+        return actor
+    if action == RESTART:
+        place(games, g, setup)
+    actor = advance(games, g, setup, ASK, NO_ACTION, work)
+    skipped = 0
+    while actor == NOBODY and skipped < MOST_REPLAYS:
+        skipped += 1
+        place(games, g, setup)
+        actor = advance(games, g, setup, ASK, NO_ACTION, work)
+    seen.skipped[g], seen.elapsed[g] = skipped, 0
+    return actor
+
+
+@kernel
+def _look(games: Games, g: int, setup: Setup, actor: int, work: Work, seen: Seen) -> None:
+    """Write to `seen` what the actor perceives, or at the end of an episode how things are."""
+    players, ball = games.players[g], games.ball[g]
+    if actor != NOBODY:
+        players, ball = work.views[actor], work.balls[actor]
+    elif games.counters[g, END] == CAPPED:
+        actor = nearest_keeper(players, ball, setup.keepers)
+    seen.actors[g] = actor
+    describe(players, seen.objects[g])
+    state_variables(players, ball, setup.keepers, seen.variables[g])
+    if actor != NOBODY:
+        by_distance(players, actor, 0, seen.receivers[g])
+    for i in range(setup.keepers):
+        seen.last_times[g, i] = int(games.memory[g, i, DECIDED]) - 1
+
+
+def _repeated(arrays: Sequence[NDArray[Any]], times: int) -> list[NDArray[Any]]:
+    return [np.repeat(array, times, axis=0) for array in arrays]

@@ -1,0 +1,214 @@
+"""How long keepers keep the ball: many episodes, without an environment around them.
+
+Episodes are played in `LANES` sequences, each a game of its own with its own random numbers, in which bodies
+keep their directions from one episode to the next as in the RoboCup 2-D server. How many episodes each
+sequence plays is fixed beforehand, so that short ones are not preferred, and nothing depends on how many
+sequences are played at the same time.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, SupportsIndex, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, one_of
+from relforest.support.parallel import run_tasks
+from relforest.support.rng import RandomState, generator, seed_sequence, stream
+from relforest.worlds.keepaway.advance import (
+    ASK,
+    HAND,
+    HOLD,
+    NO_ACTION,
+    NOBODY,
+    RANDOM,
+    UNFINISHED,
+    advance_counted,
+)
+from relforest.worlds.keepaway.events import N_EVENTS, Tally, forget_events, new_tally
+from relforest.worlds.keepaway.games import Games, new_games
+from relforest.worlds.keepaway.layout import END, TIME, Setup
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.referee import place
+from relforest.worlds.keepaway.variables import n_variables, state_variables
+from relforest.worlds.keepaway.views import Work, new_work
+
+LANES: Final = 64
+"""How many sequences of episodes there are."""
+
+POLICIES: Final[Mapping[str, int]] = MappingProxyType({"random": RANDOM, "hold": HOLD, "hand": HAND})
+"""Name of a policy that is built into the simulator -> its code."""
+
+Policy: TypeAlias = str | Callable[[NDArray[np.float64], np.random.Generator], SupportsIndex]
+
+# A kernel cannot be interrupted, so it comes back once in a while: after about a second.
+_CYCLES: Final = 20_000
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """What `play_episodes` saw in e episodes.
+
+    Parameters
+    ----------
+    durations : (e,) int64
+        Cycles of 0.1 s from the beginning of each episode to its end.
+    ends : (e,) int64
+        OUT, TAKEN or CAPPED, see `layout`.
+    events : (e, N_EVENTS) int64
+        Counts, see the columns of `events`.
+    speeds : (N_SPEEDS,) int64
+        Cycles by speed of the ball, in cells of 0.01 metres per cycle.
+    keeper_distances : (K (K - 1) / 2,) float64
+        Mean distances between keepers in metres, the nearest two first.
+    """
+
+    durations: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    events: NDArray[np.int64]
+    speeds: NDArray[np.int64]
+    keeper_distances: NDArray[np.float64]
+
+
+def episode_durations(
+    policy: Policy,
+    keepers: int = 3,
+    takers: int = 2,
+    size: float | tuple[float, float] = 20.0,
+    episodes: int = 500,
+    seed: RandomState = 0,
+    *,
+    n_jobs: int = 1,
+) -> NDArray[np.int64]:
+    """Play keepaway and return how long each episode took.
+
+    Parameters
+    ----------
+    policy : {"random", "hold", "hand"} or callable
+        Who decides for all keepers: uniformly at random, never pass, the hand-coded policy of the benchmark,
+        or a function ``(state_variables, rng) -> int`` that returns 0 to hold the ball or i to pass it to the
+        i-th nearest teammate. It gets a new array each time.
+    keepers, takers, size
+        The rules, see `KeepawayOptions`; `play_episodes` takes all of them.
+    episodes : int
+        How many.
+    seed : int, SeedSequence, Generator or None
+        The same seed gives the same durations, whatever ``n_jobs``.
+    n_jobs : int
+        How many threads play at the same time, -1 = one per core. Only built-in policies gain from it.
+
+    Returns
+    -------
+    (episodes,) int64
+        Cycles of 0.1 s.
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, or the policy returns an action that does not exist.
+
+    References
+    ----------
+    Stone, Kuhlmann, Taylor, and Liu (2006), "Keepaway soccer: from machine learning testbed to benchmark".
+
+    Examples
+    --------
+    >>> float(episode_durations("random", episodes=200, seed=1).mean() / 10)  # seconds
+    """
+    options = KeepawayOptions(keepers=keepers, takers=takers, size=size)
+    return play_episodes(policy, options, episodes, seed, n_jobs=n_jobs).durations
+
+
+def play_episodes(
+    policy: Policy,
+    options: KeepawayOptions | None = None,
+    episodes: int = 500,
+    seed: RandomState = 0,
+    *,
+    n_jobs: int = 1,
+) -> Played:
+    """Play keepaway and count what happens.
+
+    Parameters
+    ----------
+    policy, episodes, seed, n_jobs
+        As for `episode_durations`.
+    options : KeepawayOptions, optional
+        The rules; the default is three keepers against two takers on 20 m by 20 m.
+
+    Returns
+    -------
+    Played
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, or the policy returns an action that does not exist.
+    """
+    if not callable(policy):
+        one_of("policy", policy, tuple(POLICIES))
+    setup = (options or KeepawayOptions()).setup()
+    lanes = min(LANES, at_least("episodes", episodes, 1))
+    root = seed_sequence(seed)
+    share, rest = divmod(episodes, lanes)
+    tasks = [(policy, setup, share + (lane < rest), stream(root, lane)) for lane in range(lanes)]
+    played = run_tasks(_play_lane, tasks, n_jobs=n_jobs, prefer="threads")
+    durations = np.concatenate([lane.durations for lane in played])
+    distances = np.sum([lane.keeper_distances * lane.durations.sum() for lane in played], axis=0)
+    return Played(
+        durations=durations,
+        ends=np.concatenate([lane.ends for lane in played]),
+        events=np.concatenate([lane.events for lane in played]),
+        speeds=np.sum([lane.speeds for lane in played], axis=0),
+        keeper_distances=distances / durations.sum(),
+    )
+
+
+def _play_lane(policy: Policy, setup: Setup, episodes: int, seed: np.random.SeedSequence) -> Played:
+    games, work, tally = new_games(setup, [stream(seed, 0)]), new_work(setup), new_tally(setup)
+    rng = generator(stream(seed, 1))
+    durations, ends = np.empty(episodes, dtype=np.int64), np.empty(episodes, dtype=np.int64)
+    events = np.empty((episodes, N_EVENTS), dtype=np.int64)
+    for episode in range(episodes):
+        if episode > 0:
+            place(games, 0, setup)
+        forget_events(tally)
+        _play_episode(policy, games, setup, work, tally, rng)
+        durations[episode] = games.counters[0, TIME]
+        ends[episode] = games.counters[0, END]
+        events[episode] = tally.events
+    return Played(durations, ends, events, tally.speeds, tally.pairs / durations.sum())
+
+
+def _play_episode(
+    policy: Policy, games: Games, setup: Setup, work: Work, tally: Tally, rng: np.random.Generator
+) -> None:
+    code = ASK if callable(policy) else POLICIES[policy]
+    action, actor = NO_ACTION, UNFINISHED
+    while actor != NOBODY:
+        actor = advance_counted(games, 0, setup, code, action, work, tally, _CYCLES)
+        action = NO_ACTION
+        if actor >= 0 and callable(policy):
+            variables = np.empty(n_variables(setup.keepers, setup.takers))
+            state_variables(work.views[actor], work.balls[actor], setup.keepers, variables)
+            action = _checked(policy(variables, rng), setup.keepers)
+
+
+def _checked(action: object, keepers: int) -> int:
+    try:
+        chosen = operator.index(action)  # type: ignore[arg-type]
+    except TypeError:
+        chosen = -1
+    if isinstance(action, bool) or not 0 <= chosen < keepers:
+        raise InputError(
+            f"the policy must return an integer from 0 (hold) to {keepers - 1} (pass to the farthest "
+            f"teammate), got {action!r}"
+        )
+    return chosen

@@ -1,0 +1,183 @@
+"""The Gymnasium face of keepaway: wiring only."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping
+from typing import Any, SupportsIndex, final
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from relforest.support.options import one_of
+from relforest.support.rng import seed_sequence
+from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, Batch
+from relforest.worlds.keepaway.layout import CAPPED, OUT, PLAYING, TAKEN
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
+from relforest.worlds.keepaway.spaces import action_space, observation_space
+from relforest.worlds.keepaway.viewer import KeepawayViewer
+
+_Arrays = dict[str, NDArray[Any]]
+_Info = dict[str, Any]
+
+
+@final
+class KeepawayEnv(gymnasium.Env[dict[str, Any], np.int64]):
+    """Keepers pass a ball among themselves for as long as they can; takers try to get it.
+
+    One step is one decision of the keeper that has the ball in reach, whichever it is: 0 = hold, i = pass to
+    its i-th nearest teammate. The step lasts until a keeper must decide again, which may be in the same
+    cycle if two have the ball in reach; all other players, and a keeper whose pass is under way, follow the
+    programs of the benchmark. An episode begins with its first decision. It terminates when the ball is out
+    or taken, and is truncated after ``max_cycles``.
+
+    Observation: the players as the deciding keeper perceives them, keepers first: ``location`` (n, 2) in
+    metres, ``orientation`` (n, 1) in radians, ``color`` (n, 3) and ``mask`` (n,), all 1. At the end of an
+    episode nobody decides, and it shows them as they are. Reward: the cycles of 0.1 s that have passed.
+
+    Besides what `relforest.smdp` asks for, ``info`` holds
+
+    - ``actor``: the keeper that must decide, -1 after a terminal state. After a truncation, the keeper
+      nearest to the ball stands in, so that the value of its actions can be used.
+    - ``time``: cycles since the episode began. The ``time`` of the first decision and all rewards add up to
+      the length of the episode. ``actor`` and ``time`` tell each keeper's own experience.
+    - ``last_times`` (keepers,): when each keeper last had the ball in this episode, this moment not
+      counted, -1 = not yet. Other than its last decision this may be a cycle in which it finished a pass,
+      as the benchmark's learners count: their reward is ``time - last_times[actor]``.
+    - ``variables``: the state variables of the benchmark, see `relforest.worlds.keepaway.variables`.
+    - ``without_decision``, after a reset: how many episodes ended before any keeper had the ball. They
+      are passed over.
+    - ``end``, at the end: ``"out"``, ``"taken"`` or ``"capped"``.
+
+    Parameters
+    ----------
+    render_mode : {"rgb_array"}, optional
+        Whether `render` returns pictures.
+    keepers, takers, size, perception, stuck_ball, max_cycles
+        The rules of the game, see `KeepawayOptions`.
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, an action does not exist, or a reset is given options.
+    gymnasium.error.ResetNeeded
+        On any use before the first `reset`, and on a step after the end of an episode.
+
+    References
+    ----------
+    Stone, Kuhlmann, Taylor, and Liu (2006), "Keepaway soccer: from machine learning testbed to benchmark".
+    Palmer (2015), section 7.5.1.
+
+    Examples
+    --------
+    >>> env = gymnasium.make("relforest/Keepaway-v0", keepers=4, takers=3, size=25.0)
+    >>> observation, info = env.reset(seed=0)
+    >>> observation, reward, terminated, truncated, info = env.step(0)
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
+    schema = SCHEMA
+    action_types = ACTION_TYPES
+    discount = DISCOUNT
+    observation_space: spaces.Dict
+    action_space: spaces.Discrete
+
+    def __init__(
+        self,
+        render_mode: str | None = None,
+        *,
+        keepers: int = 3,
+        takers: int = 2,
+        size: float | tuple[float, float] = 20.0,
+        perception: str = "quantised",
+        stuck_ball: int = 0,
+        max_cycles: int = 0,
+    ) -> None:
+        self.setup = KeepawayOptions(keepers, takers, size, perception, stuck_ball, max_cycles).setup()
+        if render_mode is not None:
+            one_of("render_mode", render_mode, self.metadata["render_modes"])
+        self.render_mode = render_mode
+        self.observation_space = observation_space(self.setup)
+        self.action_space = action_space(self.setup)
+        self._batch = Batch(self.setup, 1)
+        self._begun = False
+        self._viewer: KeepawayViewer | None = None
+
+    @property
+    def batch(self) -> Batch:
+        """The game, as a batch of one."""
+        if not self._begun:
+            raise ResetNeeded("there is no game of keepaway yet: call reset() first")
+        return self._batch
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[_Arrays, _Info]:
+        """Begin an episode; without a seed, the players keep the body directions of the one before."""
+        super().reset(seed=seed)
+        if options:
+            raise InputError(f"keepaway has no reset options, got {dict(options)!r}")
+        if seed is None and self._begun:
+            self._batch.begin([None])
+        else:
+            self._batch.begin([seed_sequence(self.np_random if seed is None else seed)])
+            self._begun = True
+        info = self._info()
+        info["without_decision"] = int(self._batch.seen.skipped[0])
+        return self._observation(), info
+
+    def step(self, action: SupportsIndex) -> tuple[_Arrays, float, bool, bool, _Info]:
+        """Let the deciding keeper hold (0) or pass to its i-th nearest teammate (i)."""
+        batch = self.batch
+        if batch.ends[0] != PLAYING:
+            raise ResetNeeded(f"the episode ended after {batch.times[0]} cycles: call reset() first")
+        batch.play(np.array([self._checked(action)]))
+        end, elapsed, info = int(batch.ends[0]), float(batch.seen.elapsed[0]), self._info()
+        info["duration"], info["discounted_reward"] = elapsed, float(batch.discounted()[0])
+        if end != PLAYING:
+            info["end"] = END_NAMES[end]
+        return self._observation(), elapsed, end in (OUT, TAKEN), end == CAPPED, info
+
+    def decision(self) -> Decision:
+        """Return the players and the available ground actions of the present state."""
+        return self.batch.decision(0)
+
+    def render(self) -> NDArray[np.uint8]:
+        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
+        if self.render_mode is None:
+            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
+        batch, setup = self.batch, self.setup
+        if self._viewer is None:
+            self._viewer = KeepawayViewer(
+                keepers=setup.keepers, takers=setup.takers, length=setup.length, width=setup.width
+            )
+        return self._viewer.draw(
+            batch.games.players[0],
+            batch.games.ball[0],
+            actor=int(batch.seen.actors[0]),
+            receivers=batch.seen.receivers[0],
+            time=int(batch.times[0]),
+        )
+
+    def _observation(self) -> _Arrays:
+        return {name: array[0] for name, array in self._batch.observation().items()}
+
+    def _info(self) -> _Info:
+        info: _Info = {name: array[0] for name, array in self._batch.info().items()}
+        info["actor"], info["time"] = int(info["actor"]), int(info["time"])
+        return info | {"scene": self._batch.scenes()}
+
+    def _checked(self, action: SupportsIndex) -> int:
+        try:
+            return range(self.setup.keepers).index(operator.index(action))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"action must be 0 (hold) or an integer up to {self.setup.keepers - 1} (pass to that "
+                f"teammate, counted by distance), got {action!r}"
+            ) from None

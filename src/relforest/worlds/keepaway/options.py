@@ -1,0 +1,108 @@
+"""What a user may choose about a game of keepaway."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range, one_of
+from relforest.worlds.keepaway.layout import PERCEPTIONS, Setup
+
+SMALLEST_SIDE: Final = 8.0
+"""Metres. The ball begins 4 m inside a corner; on a smaller field that is beyond the middle."""
+
+LARGEST_SIDE: Final = 1000.0
+"""Metres. Players plan 3 seconds ahead and cover 30 m in that time; a larger field is surely a mistake."""
+
+LARGEST_TEAM: Final = 32
+"""Players. What they see of each other grows with the square of their number."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class KeepawayOptions:
+    """The rules of a game of keepaway.
+
+    Parameters
+    ----------
+    keepers : int
+        Players who keep the ball, 2 to 32. Three start in corners of the field, all others at its centre.
+    takers : int
+        Players who try to take it, 1 to 32. They start together in the fourth corner.
+    size : float or (float, float)
+        Side of the square field, or its length (along x) and width, in metres, each 8 to 1000.
+    perception : {"quantised", "exact", "fullstate"}
+        What players know. ``"quantised"``: all around and in every cycle, but with distances and angles
+        rounded as the RoboCup 2-D server rounds what players see; ``"exact"``: the same without rounding;
+        ``"fullstate"``: without rounding, and without the players' rule that a ball in an opponent's reach
+        stands still. Takers may then turn to and fro for ever before a keeper that holds the ball, which
+        ``stuck_ball`` alone seldom ends: choose ``max_cycles`` too.
+    stuck_ball : int
+        Cycles after which the referee stops a ball that has stayed within 3 m; 0 = never. The RoboCup 2-D
+        server has 100 (versions 15 and later).
+    max_cycles : int
+        Cycles after which an episode is cut off; 0 = never.
+
+    Raises
+    ------
+    InputError
+        If an option is of another type, or outside its range.
+
+    References
+    ----------
+    Stone, Kuhlmann, Taylor, and Liu (2006), "Keepaway soccer: from machine learning testbed to benchmark".
+    Palmer (2015), section 7.5.1: three keepers and two takers on 20 m by 20 m, four and three on 25 m by
+    25 m, with a field of view of 360 degrees.
+
+    Examples
+    --------
+    >>> KeepawayOptions(keepers=4, takers=3, size=25).n_players
+    7
+    """
+
+    keepers: int = 3
+    takers: int = 2
+    size: float | tuple[float, float] = 20.0
+    perception: str = "quantised"
+    stuck_ball: int = 0
+    max_cycles: int = 0
+
+    def __post_init__(self) -> None:
+        self.setup()
+
+    @property
+    def n_players(self) -> int:
+        """Keepers and takers together."""
+        return int(self.keepers) + int(self.takers)
+
+    def setup(self) -> Setup:
+        """Return the same as the plain numbers that kernels take."""
+        length, width = _sides(self.size)
+        return Setup(
+            keepers=_team("keepers", self.keepers, 2),
+            takers=_team("takers", self.takers, 1),
+            length=length,
+            width=width,
+            perception=PERCEPTIONS[one_of("perception", self.perception, tuple(PERCEPTIONS))],
+            stuck_ball=at_least("stuck_ball", self.stuck_ball, 0),
+            max_cycles=at_least("max_cycles", self.max_cycles, 0),
+        )
+
+
+def _team(name: str, value: object, low: int) -> int:
+    count = at_least(name, value, low)
+    if count > LARGEST_TEAM:
+        raise InputError(f"{name} must be an integer of at most {LARGEST_TEAM}, got {value!r}")
+    return count
+
+
+def _sides(size: object) -> tuple[float, float]:
+    sides = size if isinstance(size, (Sequence, np.ndarray)) and not isinstance(size, str) else (size, size)
+    if len(sides) != 2:
+        raise InputError(f"size must be a number, or a length and a width, in metres, got {size!r}")
+    length, width = (in_range("size", side, SMALLEST_SIDE, LARGEST_SIDE) for side in sides)
+    return length, width

@@ -1,0 +1,184 @@
+"""The PettingZoo face of keepaway: every keeper is an agent. It needs the extra ``pettingzoo``."""
+
+from __future__ import annotations
+
+import copy
+import operator
+from collections.abc import Mapping
+from typing import Any, SupportsIndex, final
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from relforest.support.errors import InputError
+from relforest.worlds.keepaway.env import KeepawayEnv
+from relforest.worlds.keepaway.scene import NOBODY
+
+try:
+    from pettingzoo import ParallelEnv
+except ImportError as error:
+    raise ImportError(
+        "the parallel face of keepaway needs PettingZoo: pip install 'relforest[pettingzoo]'"
+    ) from error
+
+_Observation = dict[str, Any]
+_Observations = dict[str, _Observation]
+_Infos = dict[str, dict[str, Any]]
+
+
+@final
+class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[misc]  # it ships no types
+    """Keepaway with the keepers as agents, ``"keeper_0"``, ``"keeper_1"``, ...; takers belong to the world.
+
+    A step lasts from one decision to the next, as in `KeepawayEnv`, and one keeper decides at a time.
+    Its actions are those of `KeepawayEnv`: 0 = hold, i = pass to its i-th nearest teammate. All others can
+    only wait: the last action, number ``keepers``, which may also be left out.
+
+    Each agent observes ``"observation"``, the players as the deciding keeper perceives them, and an
+    ``"action_mask"`` that says what it can do. Keepers are a team: each is paid the cycles that have passed.
+    What a keeper collects from one of its decisions to its next is therefore the time between them. All
+    ``infos`` hold what `KeepawayEnv` says.
+
+    Parameters
+    ----------
+    render_mode : {"rgb_array"}, optional
+        Whether `render` returns pictures.
+    keepers, takers, size, perception, stuck_ball, max_cycles
+        The rules of the game, see `KeepawayOptions`.
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, an action is unavailable, such as a pass by a keeper without the
+        ball, the deciding keeper has no action, or there is no such agent.
+    gymnasium.error.ResetNeeded
+        On any use before the first `reset`, and on a step after the end of an episode.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - PettingZoo's type
+        "name": "relforest/Keepaway-v0",
+        "render_modes": KeepawayEnv.metadata["render_modes"],
+        "render_fps": KeepawayEnv.metadata["render_fps"],
+        "is_parallelizable": True,
+    }
+
+    def __init__(
+        self,
+        render_mode: str | None = None,
+        *,
+        keepers: int = 3,
+        takers: int = 2,
+        size: float | tuple[float, float] = 20.0,
+        perception: str = "quantised",
+        stuck_ball: int = 0,
+        max_cycles: int = 0,
+    ) -> None:
+        self._env = KeepawayEnv(
+            render_mode,
+            keepers=keepers,
+            takers=takers,
+            size=size,
+            perception=perception,
+            stuck_ball=stuck_ball,
+            max_cycles=max_cycles,
+        )
+        self.render_mode = render_mode
+        self.possible_agents = [f"keeper_{i}" for i in range(keepers)]
+        self.agents: list[str] = []
+        self.wait = keepers
+        """The action of keepers that do not decide."""
+        observed = {
+            "observation": self._env.observation_space,
+            "action_mask": spaces.MultiBinary(keepers + 1),
+        }
+        self.observation_spaces = {agent: spaces.Dict(observed) for agent in self.possible_agents}
+        self.action_spaces = {agent: spaces.Discrete(keepers + 1) for agent in self.possible_agents}
+
+    def observation_space(self, agent: str) -> spaces.Dict:
+        """Return the space of what an agent observes."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Discrete:
+        """Return the space of an agent's actions."""
+        return self.action_spaces[agent]
+
+    def reset(
+        self,
+        seed: int | None = None,
+        options: Mapping[str, Any] | None = None,  # noqa: ARG002 - PettingZoo passes any
+    ) -> tuple[_Observations, _Infos]:
+        """Begin an episode."""
+        observation, info = self._env.reset(seed=seed)
+        self.agents = list(self.possible_agents)
+        return self._observations(observation, info["actor"]), self._infos(info)
+
+    def step(
+        self, actions: Mapping[str, SupportsIndex]
+    ) -> tuple[_Observations, dict[str, float], dict[str, bool], dict[str, bool], _Infos]:
+        """Let the deciding keeper act and the others wait, until a keeper must decide again."""
+        if not self.agents:
+            raise ResetNeeded("no agent plays: call reset() first")
+        observation, reward, terminated, truncated, info = self._env.step(self._chosen(actions))
+        # A keeper stands in as the actor after a truncation, but has nothing to decide any more.
+        actor = NOBODY if truncated else info["actor"]
+        observations, agents = self._observations(observation, actor), self.agents
+        if terminated or truncated:
+            self.agents = []
+        return (
+            observations,
+            dict.fromkeys(agents, reward),
+            dict.fromkeys(agents, terminated),
+            dict.fromkeys(agents, truncated),
+            self._infos(info),
+        )
+
+    def render(self) -> NDArray[np.uint8]:
+        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
+        return self._env.render()
+
+    def state(self) -> NDArray[np.float64]:
+        """Return the true state: x, y, vx, vy, body of every player, then x, y, vx, vy of the ball."""
+        games = self._env.batch.games
+        return np.concatenate([games.players[0].ravel(), games.ball[0]])
+
+    def _chosen(self, actions: Mapping[str, SupportsIndex]) -> int:
+        """Return what the deciding keeper does, or raise `InputError`."""
+        if not actions.keys() <= set(self.possible_agents):
+            raise InputError(f"agents are {', '.join(self.possible_agents)}, got actions of {list(actions)}")
+        actor = int(self._env.batch.seen.actors[0])
+        chosen = self.wait
+        for i, agent in enumerate(self.possible_agents):
+            action = self._checked(agent, actions.get(agent, self.wait))
+            if i == actor:
+                chosen = action
+            elif action != self.wait:
+                raise InputError(
+                    f"{agent} does not decide now and can only wait ({self.wait}), got {action}; "
+                    f"keeper_{actor} decides"
+                )
+        if chosen == self.wait:
+            raise InputError(f"keeper_{actor} must decide: give it an action from 0 to {self.wait - 1}")
+        return chosen
+
+    def _checked(self, agent: str, action: SupportsIndex) -> int:
+        try:
+            return range(self.wait + 1).index(operator.index(action))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"the action of {agent} must be an integer from 0 to {self.wait}, got {action!r}"
+            ) from None
+
+    def _observations(self, observation: _Observation, actor: int) -> _Observations:
+        masks = np.zeros((self.wait, self.wait + 1), dtype=np.int8)
+        masks[:, self.wait] = 1
+        if actor != NOBODY:
+            masks[actor] = 1 - masks[actor]
+        return {
+            agent: {"observation": copy.deepcopy(observation), "action_mask": mask}
+            for agent, mask in zip(self.possible_agents, masks, strict=True)
+        }
+
+    def _infos(self, info: dict[str, Any]) -> _Infos:
+        return {agent: dict(info) for agent in self.possible_agents}

@@ -1,0 +1,108 @@
+"""Policies of the benchmark: the three that are written down, and one that follows state variables.
+
+The kernel `hand_coded` and the names are used inside simulations; the classes follow the protocol of the
+learners' policies, ``choose(decision, rng)`` returns a position in the decision.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from relforest.support.jit import kernel
+from relforest.worlds.keepaway.rounding import TIE
+from relforest.worlds.keepaway.scene import HOLD_TYPE, location_of
+from relforest.worlds.keepaway.variables import n_variables, state_variables
+
+CALM: Final = 5.0
+"""Metres from the nearest taker to the ball holder beyond which the hand-coded policy holds."""
+
+HOLD_SCORE: Final = 90.0
+"""What a pass must exceed, in units of degrees, to be preferred to holding."""
+
+DISTANCE_WEIGHT: Final = 4.0
+"""What a metre between a receiver and its nearest taker is worth, in degrees of free angle."""
+
+
+@kernel
+def hand_coded(variables: NDArray[np.float64], keepers: int, takers: int) -> int:
+    """Return the action of the benchmark's hand-coded policy: 0 = hold, i = pass to K(i+1).
+
+    Hold while no taker is within 5 m of K1. Otherwise hold scores 90, and a pass four times the
+    receiver's distance to its nearest taker plus the free angle to it; the first of the highest scores wins.
+
+    Parameters
+    ----------
+    variables : (n_variables,) float64
+        State variables, see `relforest.worlds.keepaway.variables`.
+    keepers, takers : int
+        Numbers of players.
+    """
+    if variables[keepers] > CALM + TIE:
+        return 0
+    nearest = 2 * (keepers + takers) - 1
+    best, highest = 0, HOLD_SCORE
+    for rank in range(keepers - 1):
+        score = DISTANCE_WEIGHT * variables[nearest + rank] + variables[nearest + keepers - 1 + rank]
+        if score > highest + TIE:
+            best, highest = rank + 1, score
+    return best
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RandomPolicy:
+    """Choose uniformly among holding and passing to each teammate."""
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        """Return a uniform position in `decision`; consumes one integer from `rng`."""
+        return int(rng.integers(len(decision)))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class HoldPolicy:
+    """Always hold the ball."""
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
+        """Return the position of holding in `decision`; `rng` is not consumed."""
+        return int(np.flatnonzero(decision.types == HOLD_TYPE)[0])
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class HandCodedPolicy:
+    """Hold until a taker comes close, then pass to the most open teammate.
+
+    A decision does not contain the ball. The keeper that must decide therefore counts as the one nearest to
+    it, which it is, unless two keepers have the ball in reach.
+    """
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
+        """Return the position of the action in `decision`; `rng` is not consumed."""
+        keepers = len(decision)
+        action = hand_coded(decision_variables(decision), keepers, decision.n_objects - keepers)
+        return int(np.flatnonzero(decision.indices == action)[0])
+
+
+def decision_variables(decision: Decision) -> NDArray[np.float64]:
+    """Return the state variables of a decision, with the ball at the keeper that must decide.
+
+    Raises
+    ------
+    InputError
+        If the decision offers no action, as at the end of an episode: nobody has the ball then.
+    """
+    if not len(decision):
+        raise InputError("the decision offers no action, so no keeper has the ball: the episode has ended")
+    # There is one action for each keeper: hold, and a pass to each of the others.
+    keepers = len(decision)
+    variables = np.empty(n_variables(keepers, decision.n_objects - keepers))
+    players = location_of(decision.objects).copy()
+    state_variables(players, players[decision.arguments[0, 0]], keepers, variables)
+    return variables

@@ -1,0 +1,170 @@
+"""Playing episodes and recording everything that happens, cycle by cycle."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, one_of
+from relforest.support.rng import RandomState, generator, seed_sequence, stream
+from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, choose_commands
+from relforest.worlds.keepaway.durations import LANES, POLICIES, Policy
+from relforest.worlds.keepaway.games import new_games
+from relforest.worlds.keepaway.layout import END, PLAYING, TIME, Setup
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.physics import execute
+from relforest.worlds.keepaway.policies import CALM, DISTANCE_WEIGHT, HOLD_SCORE, hand_coded
+from relforest.worlds.keepaway.randomness import below
+from relforest.worlds.keepaway.recording import Decisions, Recording
+from relforest.worlds.keepaway.referee import judge, place
+from relforest.worlds.keepaway.rounding import TIE
+from relforest.worlds.keepaway.variables import by_distance, n_variables, state_variables
+from relforest.worlds.keepaway.views import new_work
+
+Values: TypeAlias = Callable[[NDArray[np.float64]], ArrayLike]
+"""From the state variables of a decision to the value of each action, (keepers,), NaN = unknown."""
+
+
+def record_episodes(
+    policy: Policy,
+    options: KeepawayOptions | None = None,
+    episodes: int = 1,
+    seed: RandomState = 0,
+    *,
+    values: Values | None = None,
+) -> tuple[Recording, ...]:
+    """Play keepaway and record everything.
+
+    Parameters
+    ----------
+    policy, options, episodes, seed
+        As for `relforest.worlds.keepaway.durations.play_episodes`, which plays the same episodes faster.
+    values : callable, optional
+        What the actions of a state are worth to the policy; it changes nothing in the game. By default, the
+        actions of the hand-coded policy are worth their scores, and nothing is known of others.
+
+    Returns
+    -------
+    tuple of Recording
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, the policy returns an action that does not exist, or ``values``
+        does not return one number per action.
+    """
+    if not callable(policy):
+        one_of("policy", policy, tuple(POLICIES))
+    setup = (options or KeepawayOptions()).setup()
+    lanes = min(LANES, at_least("episodes", episodes, 1))
+    root, (share, rest) = seed_sequence(seed), divmod(episodes, lanes)
+    recordings = []
+    for lane in range(lanes):
+        own = stream(root, lane)
+        recorder = _Recorder(policy, setup, values, own)
+        recordings += [recorder.record(again=number > 0) for number in range(share + (lane < rest))]
+    return tuple(recordings)
+
+
+def hand_scores(variables: NDArray[np.float64], keepers: int, takers: int) -> NDArray[np.float64]:
+    """Return what the hand-coded policy compares, (keepers,); NaN for passes that it does not consider."""
+    if variables[keepers] > CALM + TIE:
+        return np.array([HOLD_SCORE] + [np.nan] * (keepers - 1))
+    near, angles = np.split(variables[2 * (keepers + takers) - 1 :], 2)
+    return np.concatenate([[HOLD_SCORE], DISTANCE_WEIGHT * near + angles])
+
+
+@final
+class _Recorder:
+    """Plays consecutive episodes of one game."""
+
+    def __init__(
+        self, policy: Policy, setup: Setup, values: Values | None, seed: np.random.SeedSequence
+    ) -> None:
+        self._policy, self._setup, self._values = policy, setup, values
+        self._games, self._work = new_games(setup, [stream(seed, 0)]), new_work(setup)
+        self._rng = generator(stream(seed, 1))
+
+    def record(self, *, again: bool) -> Recording:
+        """Play one episode, after placing everybody anew if a game goes on."""
+        games, setup = self._games, self._setup
+        if again:
+            place(games, 0, setup)
+        states = [(games.players[0].copy(), games.ball[0].copy())]
+        commands: list[NDArray[np.int64]] = []
+        rows: list[tuple[int, int, int]] = []
+        orders: list[NDArray[np.int64]] = []
+        worths: list[NDArray[np.float64]] = []
+        answer = NO_ACTION
+        while games.counters[0, END] == PLAYING:
+            actor = choose_commands(games, 0, setup, ASK, answer, self._work)
+            if actor != NOBODY:
+                answer, worth = self._decide(actor)
+                rows.append((int(games.counters[0, TIME]), actor, answer))
+                orders.append(self._order(actor))
+                worths.append(worth)
+                continue
+            answer = NO_ACTION
+            commands.append(games.commands[0].copy())
+            execute(games, 0, setup)
+            judge(games, 0, setup)
+            states.append((games.players[0].copy(), games.ball[0].copy()))
+        table = np.array(rows, dtype=np.int64).reshape(-1, 3)
+        return Recording(
+            field=(setup.length, setup.width),
+            keepers=setup.keepers,
+            players=np.array([players for players, _ in states]),
+            ball=np.array([ball for _, ball in states]),
+            commands=np.array(commands),
+            decisions=Decisions(
+                times=table[:, 0],
+                actors=table[:, 1],
+                actions=table[:, 2],
+                orders=np.array(orders, dtype=np.int64).reshape(-1, setup.keepers),
+                values=np.array(worths).reshape(-1, setup.keepers),
+            ),
+            end=int(games.counters[0, END]),
+        )
+
+    def _order(self, actor: int) -> NDArray[np.int64]:
+        order = np.full(self._setup.keepers, actor)
+        by_distance(self._work.views[actor], actor, 0, order[1:])
+        return order
+
+    def _decide(self, actor: int) -> tuple[int, NDArray[np.float64]]:
+        """Return the action of a keeper and the values of all its actions."""
+        keepers, takers, policy = self._setup.keepers, self._setup.takers, self._policy
+        variables = np.empty(n_variables(keepers, takers))
+        state_variables(self._work.views[actor], self._work.balls[actor], keepers, variables)
+        worth = np.full(keepers, np.nan)
+        if self._values is not None:
+            worth = np.array(self._values(variables.copy()), dtype=np.float64)
+            if worth.shape != (keepers,):
+                raise InputError(
+                    f"values must return one number for each of {keepers} actions, got {worth.shape}"
+                )
+        elif policy == "hand":
+            worth = hand_scores(variables, keepers, takers)
+        if callable(policy):
+            return _checked(policy(variables.copy(), self._rng), keepers), worth
+        if policy == "random":
+            return below(self._games.streams, 0, keepers), worth
+        return hand_coded(variables, keepers, takers) if policy == "hand" else 0, worth
+
+
+def _checked(action: object, keepers: int) -> int:
+    try:
+        chosen = operator.index(action)  # type: ignore[arg-type]
+    except TypeError:
+        chosen = -1
+    if isinstance(action, bool) or not 0 <= chosen < keepers:
+        raise InputError(
+            f"the policy must return an integer from 0 (hold) to {keepers - 1} (pass to the farthest "
+            f"teammate), got {action!r}"
+        )
+    return chosen

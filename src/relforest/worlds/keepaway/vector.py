@@ -1,0 +1,174 @@
+"""The vectorised Gymnasium face of keepaway: many games, one call of a kernel per step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, final
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from relforest.scenes import Scenes
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.support.rng import seed_sequence
+from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, RESTART, Batch
+from relforest.worlds.keepaway.layout import CAPPED, PLAYING
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
+from relforest.worlds.keepaway.spaces import action_space, observation_space
+
+_Arrays = dict[str, NDArray[Any]]
+_Infos = dict[str, Any]
+
+
+@final
+class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any]]):
+    """Many independent games of keepaway; each is what `KeepawayEnv` with the same seed would play.
+
+    Observations, rewards and flags are those of `KeepawayEnv`, stacked. ``infos`` holds the same entries as
+    arrays of length ``num_envs``, and for each a mask named with ``_`` in front, which tells the games that
+    have it, except for the scene: `scenes` makes those of all games at once. A game whose episode has ended
+    begins another one in the next step: its action is then ignored, its reward 0
+    (``AutoresetMode.NEXT_STEP``).
+
+    Parameters
+    ----------
+    num_envs : int
+        How many games.
+    keepers, takers, size, perception, stuck_ball, max_cycles
+        The rules of all games, see `KeepawayOptions`.
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, actions are not ``num_envs`` integers from 0 to keepers - 1, or a
+        reset gets another number of seeds, or options.
+    gymnasium.error.ResetNeeded
+        On a step before the first `reset`.
+
+    Examples
+    --------
+    >>> envs = gymnasium.make_vec("relforest/Keepaway-v0", num_envs=64, keepers=4, takers=3, size=25.0)
+    >>> observations, infos = envs.reset(seed=0)
+    >>> observations, rewards, terminations, truncations, infos = envs.step(np.zeros(64, dtype=np.int64))
+    """
+
+    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012 - Gymnasium's type
+    schema = SCHEMA
+    action_types = ACTION_TYPES
+    discount = DISCOUNT
+    single_observation_space: spaces.Dict
+    single_action_space: spaces.Discrete
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        keepers: int = 3,
+        takers: int = 2,
+        size: float | tuple[float, float] = 20.0,
+        perception: str = "quantised",
+        stuck_ball: int = 0,
+        max_cycles: int = 0,
+    ) -> None:
+        self.setup = KeepawayOptions(keepers, takers, size, perception, stuck_ball, max_cycles).setup()
+        self.num_envs = at_least("num_envs", num_envs, 1)
+        self.single_observation_space = observation_space(self.setup)
+        self.single_action_space = action_space(self.setup)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._batch = Batch(self.setup, self.num_envs)
+        self._begun = False
+
+    @property
+    def batch(self) -> Batch:
+        """The games."""
+        if not self._begun:
+            raise ResetNeeded("there are no games of keepaway yet: call reset() first")
+        return self._batch
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[_Arrays, _Infos]:
+        """Begin an episode in every game.
+
+        Parameters
+        ----------
+        seed : int or sequence of (int or None), optional
+            One seed per game; from an integer s, game i gets s + i. A game without a seed goes on to its next
+            episode.
+        """
+        if options:
+            raise InputError(f"keepaway has no reset options, got {dict(options)!r}")
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        self._batch.begin([self._seed_sequence(entry) for entry in self._seeds(seed)])
+        self._begun = True
+        infos = self._infos()
+        _add(infos, "without_decision", self._batch.seen.skipped.copy(), infos["_time"].copy())
+        return self._batch.observation(), infos
+
+    def step(self, actions: ArrayLike) -> tuple[_Arrays, NDArray[Any], NDArray[Any], NDArray[Any], _Infos]:
+        """Let the deciding keeper of each game hold (0) or pass to its i-th nearest teammate (i)."""
+        batch = self.batch
+        again = batch.ends != PLAYING
+        batch.play(np.where(again, RESTART, self._checked(actions)))
+        ends, rewards = batch.ends.copy(), batch.seen.elapsed.astype(np.float64)
+        ended, truncated = ends != PLAYING, ends == CAPPED
+        infos = self._infos()
+        _add(infos, "duration", rewards.copy(), ~again)
+        _add(infos, "discounted_reward", batch.discounted(), ~again)
+        _add(infos, "without_decision", np.where(again, batch.seen.skipped, 0), again)
+        names = np.array([END_NAMES.get(end) for end in ends.tolist()], dtype=object)
+        _add(infos, "end", names, ended)
+        return batch.observation(), rewards, ended & ~truncated, truncated, infos
+
+    def scenes(self) -> Scenes:
+        """Return the present scene of every game, as `Scenes` of length ``num_envs``."""
+        return self.batch.scenes()
+
+    def _infos(self) -> _Infos:
+        infos: _Infos = {}
+        for name, values in self._batch.info().items():
+            _add(infos, name, values, np.ones(self.num_envs, dtype=np.bool_))
+        return infos
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, (int, np.integer)):
+            return [int(seed) + i for i in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise InputError(f"seed must hold one seed for each of {self.num_envs} games, got {len(seed)}")
+        return seed
+
+    def _seed_sequence(self, seed: int | None) -> np.random.SeedSequence | None:
+        if seed is None:
+            # Games that have not begun need a stream of their own.
+            return None if self._begun else seed_sequence(self.np_random)
+        return seed_sequence(seed)
+
+    def _checked(self, actions: ArrayLike) -> NDArray[np.int64]:
+        array, most = np.asarray(actions), self.setup.keepers - 1
+        if array.shape != (self.num_envs,) or array.dtype.kind not in "iu":
+            raise InputError(
+                f"actions must be integers of shape ({self.num_envs},), one per game, got {array.dtype} "
+                f"of shape {array.shape}"
+            )
+        wrong = np.flatnonzero((array < 0) | (array > most))
+        if len(wrong):
+            raise InputError(
+                f"actions must be from 0 (hold) to {most} (pass to the farthest teammate), got "
+                f"{array[wrong[0]]} for game {wrong[0]}"
+            )
+        return array.astype(np.int64)
+
+
+def _add(infos: _Infos, name: str, values: NDArray[Any], mask: NDArray[np.bool_]) -> None:
+    """Add an entry that some games have, as Gymnasium does: only if any has it."""
+    if mask.any():
+        infos[name], infos[f"_{name}"] = values, mask
