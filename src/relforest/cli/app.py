@@ -15,6 +15,7 @@ from relforest import __version__
 from relforest.cli.experiment import ExperimentOptions, experiment
 from relforest.cli.fit import FitOptions, fit
 from relforest.cli.learn import LearnOptions, learn
+from relforest.cli.play import PlayOptions, play
 from relforest.cli.predict import PredictOptions, predict
 from relforest.cli.show import ShowOptions, show
 from relforest.support.errors import RelforestError
@@ -41,6 +42,7 @@ class Command:
 COMMANDS: Final = MappingProxyType(
     {
         "learn": Command(LearnOptions, learn, "Learn a policy for a world with SMRF-RPI."),
+        "play": Command(PlayOptions, play, "Play episodes of a world, and write a page that shows them."),
         "fit": Command(FitOptions, fit, "Learn a tree from a table of labelled scenes."),
         "predict": Command(PredictOptions, predict, "Apply a learned tree to the scenes of a table."),
         "show": Command(ShowOptions, show, "Show a learned tree in words and as a drawing."),

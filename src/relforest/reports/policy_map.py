@@ -1,0 +1,298 @@
+"""What a keepaway policy would do if the takers stood elsewhere, as Figure 7.19 of Palmer (2015)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike, NDArray
+
+from relforest.reports.style import BLUE, GOLD, GREEN, GREY, INK, ORANGE, PALE, PAPER, PINK, SKY, styled
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range
+from relforest.worlds.keepaway.variables import n_variables, state_variables
+
+Evaluate = Callable[[NDArray[np.float64]], NDArray[np.float64] | NDArray[np.int64]]
+"""From states, (m, n, c) as `Formation.players`, to values of the actions, (m, actions), or actions, (m,)."""
+
+ACTION_COLORS: Final = (ORANGE, GREEN, BLUE, PINK, GOLD, SKY)
+"""Hold, pass to 2, pass to 3 (reddish, greenish and bluish as in the source), and so on."""
+
+_PANEL: Final = 2.8
+_BESIDE: Final = 0.5
+_BELOW: Final = 0.7
+_PER_PANEL: Final = 3
+_PALEST: Final = 0.22
+_HALO: Final = {"boxstyle": "circle,pad=0.18", "facecolor": PAPER, "edgecolor": INK, "linewidth": 0.9}
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Formation:
+    """Players from which a map is made: keepers stay, takers move together.
+
+    Letters: n players.
+
+    Parameters
+    ----------
+    players : (n, c) float64, c >= 2
+        x and y in metres, keepers first; further columns, as velocities and directions, go along unchanged.
+    actor : int
+        The keeper with the ball.
+    title : str
+        Name of the panel.
+    """
+
+    players: NDArray[np.float64]
+    actor: int = 0
+    title: str = ""
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Preferences:
+    """What a policy prefers at each place of the takers' centre.
+
+    Parameters
+    ----------
+    x, y : (columns,) and (rows,) float64
+        Places of the takers' centre, in metres, ascending.
+    actions : (rows, columns) int64
+        The preferred action, -1 = no value is known.
+    margins : (rows, columns) float64, or None
+        How much better it is than the next; None if the policy tells no values.
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    actions: NDArray[np.int64]
+    margins: NDArray[np.float64] | None
+
+
+def policy_map_figure(
+    formations: Sequence[Formation],
+    evaluate: Evaluate,
+    *,
+    keepers: int,
+    field: tuple[float, float] = (20.0, 20.0),
+    step: float = 0.25,
+    title: str = "",
+) -> Figure:
+    """Draw for each formation what a policy prefers if the takers stood elsewhere.
+
+    The colour of a place is the action preferred if the centre of the takers were there, the darker the
+    more its value exceeds the next. Numbers are the keepers, 1 the one with the ball, 2 its nearest teammate
+    and so on; asterisks are the takers as they really stand. As on the monitor of the RoboCup 2-D server, y
+    points down.
+
+    Parameters
+    ----------
+    formations : sequence of Formation
+        One panel each.
+    evaluate : callable
+        The policy: from states, (m, n, c), to the values of the actions, (m, keepers), NaN = unknown, or only
+        to the preferred actions, (m,) of an integer type. Action 0 = hold, k = pass to the k-th nearest
+        teammate.
+    keepers : int
+        Number of keepers.
+    field : (float, float)
+        Length (along x) and width, in metres.
+    step : float
+        Distance between places, in metres.
+    title : str
+
+    Raises
+    ------
+    InputError
+        If there is no formation, or a shape, an action or an option is not as described.
+
+    References
+    ----------
+    Palmer (2015), Figure 7.19.
+    """
+    if not formations:
+        raise InputError("there is nothing to draw: pass at least one formation")
+    maps = [preferences(item, evaluate, keepers=keepers, field=field, step=step) for item in formations]
+    known = [item.margins[item.actions >= 0] for item in maps if item.margins is not None]
+    scale = float(np.quantile(np.concatenate(known), 0.95)) if any(map(len, known)) else 0.0
+    named = 0.25 * any(formation.title for formation in formations)
+    legend = 0.2 * (keepers // (_PER_PANEL * len(maps)) + 1) + 0.15 * (scale > 0)
+    height = _PANEL * field[1] / field[0] + _BELOW + legend + named + (0.3 if title else 0.0)
+    with styled():
+        figure = Figure(figsize=((_PANEL + 0.2) * len(maps) + _BESIDE, height), layout="constrained")
+        panels = figure.subplots(1, len(maps), sharey=True, squeeze=False)[0]
+        for axes, formation, found in zip(panels, formations, maps, strict=True):
+            _draw_map(axes, found, scale, step)
+            _draw_players(axes, formation, keepers)
+            axes.set_xlim(-field[0] / 2, field[0] / 2)
+            axes.set_ylim(field[1] / 2, -field[1] / 2)
+            for axis in (axes.xaxis, axes.yaxis):
+                axis.set_major_locator(MaxNLocator(nbins=5, steps=(1, 2, 5, 10)))
+            axes.set_xlabel("x of the takers' centre (m)")
+            if formation.title:
+                axes.set_title(formation.title, loc="left", parse_math=False)
+        panels[0].set_ylabel("y of the takers' centre (m)")
+        _explain(figure, maps, keepers, scale)
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", fontsize=11, parse_math=False)
+    return figure
+
+
+def preferences(
+    formation: Formation,
+    evaluate: Evaluate,
+    *,
+    keepers: int,
+    field: tuple[float, float] = (20.0, 20.0),
+    step: float = 0.25,
+) -> Preferences:
+    """Return what a policy prefers at each place of the takers' centre; parameters as `policy_map_figure`.
+
+    Raises
+    ------
+    InputError
+        If a shape, an action or an option is not as described there.
+    """
+    step = in_range("step", step, 0.0, min(field), open_low=True)
+    players = np.asarray(formation.players, dtype=np.float64)
+    keepers = at_least("keepers", keepers, 2)
+    if players.ndim != 2 or players.shape[1] < 2 or len(players) <= keepers:
+        raise InputError(
+            f"players must have one row of at least x and y for each of {keepers} keepers and some takers, "
+            f"got the shape {players.shape}"
+        )
+    if not 0 <= formation.actor < keepers:
+        raise InputError(f"actor must be one of the {keepers} keepers, got {formation.actor}")
+    x, y = (_places(side, step) for side in field)
+    centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 1, 2)
+    states = np.repeat(players[None], len(centres), axis=0)
+    states[:, keepers:, :2] += centres - players[keepers:, :2].mean(axis=0)
+    answers = np.asarray(evaluate(states))
+    form = (len(y), len(x))
+    if answers.shape == (len(states),) and np.issubdtype(answers.dtype, np.integer):
+        if (answers < 0).any() or (answers >= keepers).any():
+            raise InputError(f"a policy of {keepers} keepers chose an action outside 0 to {keepers - 1}")
+        return Preferences(x, y, answers.astype(np.int64).reshape(form), None)
+    if answers.shape != (len(states), keepers):
+        raise InputError(
+            f"the policy must return one value per state and action, {(len(states), keepers)}, or one "
+            f"integer per state, got {answers.dtype} of the shape {answers.shape}"
+        )
+    actions, margins = _best(answers.astype(np.float64))
+    return Preferences(x, y, actions.reshape(form), margins.reshape(form))
+
+
+def on_variables(
+    function: Callable[[NDArray[np.float64]], ArrayLike], *, keepers: int, actor: int = 0
+) -> Evaluate:
+    """Return a policy for `policy_map_figure` from one that looks at the benchmark's state variables.
+
+    Parameters
+    ----------
+    function : callable
+        From the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
+        (keepers,), or to the preferred action.
+    keepers : int
+        Number of keepers.
+    actor : int
+        The keeper with the ball; the ball is taken to be where it stands.
+    """
+
+    def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64] | NDArray[np.int64]:
+        answers = []
+        for players in states:
+            variables = np.empty(n_variables(keepers, len(players) - keepers))
+            state_variables(players, players[actor, :2], keepers, variables)
+            answers.append(function(variables))
+        return np.asarray(answers)
+
+    return evaluate
+
+
+def _places(side: float, step: float) -> NDArray[np.float64]:
+    """Return the centres of equal cells that fill a side."""
+    count = max(1, round(side / step))
+    half = side / count / 2
+    return np.linspace(half - side / 2, side / 2 - half, count)
+
+
+def _best(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the best action of each row (-1 = nothing known), and its lead over the next best."""
+    known = np.where(np.isnan(values), -np.inf, values)
+    ordered = np.sort(known, axis=1)
+    compared = np.isfinite(ordered[:, -2])
+    leads: NDArray[np.float64] = np.zeros(len(values))
+    np.subtract(ordered[:, -1], ordered[:, -2], out=leads, where=compared)
+    return np.where(np.isneginf(ordered[:, -1]), -1, known.argmax(axis=1)), leads
+
+
+def _draw_map(axes: Axes, found: Preferences, scale: float, step: float) -> None:
+    palette = np.array(
+        [to_rgb(ACTION_COLORS[k % len(ACTION_COLORS)]) for k in range(found.actions.max() + 1)]
+    )
+    if found.margins is None or scale <= 0:
+        strength = np.full(found.actions.shape, 0.6)
+    else:
+        strength = _PALEST + (1 - _PALEST) * np.clip(found.margins / scale, 0, 1)
+    ground = np.ones((*found.actions.shape, 3))
+    image = ground + strength[:, :, None] * (palette[found.actions] - ground) if len(palette) else ground
+    image[found.actions < 0] = to_rgb(PALE)
+    halves = [
+        (values[-1] - values[0]) / 2 / max(len(values) - 1, 1) or step / 2 for values in (found.x, found.y)
+    ]
+    extent = (
+        found.x[0] - halves[0],
+        found.x[-1] + halves[0],
+        found.y[-1] + halves[1],
+        found.y[0] - halves[1],
+    )
+    axes.imshow(image, extent=extent, interpolation="nearest", zorder=0)
+
+
+def _draw_players(axes: Axes, formation: Formation, keepers: int) -> None:
+    players, actor = formation.players, formation.actor
+    away = np.hypot(*(players[:keepers, :2] - players[actor, :2]).T)
+    # Of equally distant teammates the one with the higher number comes first, as in the game.
+    order = sorted(range(keepers), key=lambda keeper: (keeper != actor, away[keeper], -keeper))
+    for number, keeper in enumerate(order, start=1):
+        axes.text(
+            float(players[keeper, 0]),
+            float(players[keeper, 1]),
+            str(number),
+            ha="center",
+            va="center",
+            fontsize=8.5,
+            fontweight="bold",
+            bbox=_HALO,
+            zorder=3,
+        )
+    axes.plot(
+        *players[keepers:, :2].T, "*", color=INK, markersize=11, mec=PAPER, mew=0.8, zorder=3, clip_on=False
+    )
+
+
+def _explain(figure: Figure, maps: Sequence[Preferences], keepers: int, scale: float) -> None:
+    names = ["hold", *(f"pass to {number}" for number in range(2, keepers + 1))]
+    marks = [
+        Patch(facecolor=ACTION_COLORS[action % len(ACTION_COLORS)], label=name)
+        for action, name in enumerate(names)
+    ]
+    if any((found.actions < 0).any() for found in maps):
+        marks.append(Patch(facecolor=PALE, label="unknown"))
+    legend = figure.legend(
+        handles=marks,
+        loc="outside lower left",
+        ncols=_PER_PANEL * len(maps),
+        handlelength=1.0,
+        title=f"darkest: better than the next by {scale:.3g} or more" if scale > 0 else None,
+        title_fontsize=8.0,
+        alignment="left",
+    )
+    legend.get_title().set_color(GREY)
