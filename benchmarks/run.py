@@ -9,6 +9,7 @@ import platform
 
 import bench_compile
 import bench_covagg
+import bench_keepaway
 import bench_tree
 import numba
 import numpy as np
@@ -22,6 +23,8 @@ def main() -> None:
     )
     bench_covagg.run().report()
     for table in bench_tree.run():
+        table.report()
+    for table in bench_keepaway.run():
         table.report()
     bench_compile.run().report()
 
