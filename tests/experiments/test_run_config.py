@@ -25,6 +25,8 @@ from relforest.support.errors import InputError
             {"features": "bytes"},
             "features must be one of 'densities.bits', 'bits', 'probability', got 'bytes'",
         ),
+        ({"method": "guess"}, "method must be one of 'smrf-rpi', 'cmac-sarsa', 'cmac-sarsa-shared', got"),
+        ({"method": "cmac-sarsa"}, "the method for corridor must be one of 'smrf-rpi', got 'cmac-sarsa'"),
     ],
 )
 def test_options_out_of_range_are_named(options: dict[str, Any], message: str) -> None:
@@ -49,6 +51,7 @@ def test_the_identity_holds_everything_that_results_depend_on() -> None:
     assert identity.growing == "iterations"
     assert {name: value for name, value in identity.content.items() if name != "settings"} == {
         "task": "corridor",
+        "method": "smrf-rpi",
         "episodes": 10,
         "test_episodes": 10,
         "iterations": 2,
@@ -57,6 +60,9 @@ def test_the_identity_holds_everything_that_results_depend_on() -> None:
         "features": "bits",
     }
     assert identity.content["settings"]["epsilon"] == 0.1
+    sarsa = RunConfig("keepaway", method="cmac-sarsa").identity().content
+    assert sarsa["method"] == "cmac-sarsa"
+    assert not {"features", "settings"} & set(sarsa)
     assert config.identity(2).content == {**identity.content, "run": 2}
     assert config.settings.features == "bits"
 

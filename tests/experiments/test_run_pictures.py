@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from experiments.run_folders import SMALL
-from relforest.experiments.run_pictures import Q_FUNCTION, REWARD, draw_runs
+from relforest.experiments.run_pictures import REWARD, draw_runs
 from relforest.experiments.runs import learn_runs
 from relforest.experiments.tasks import task_named
 
+Q_FUNCTION = "q-function.png"
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -55,7 +56,7 @@ def test_newer_pictures_are_left_alone(run_folder: Path) -> None:
 def test_a_task_without_a_picture_of_its_values_has_rewards_only(
     run_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = replace(task_named("corridor"), draw_values=None, optimum=None)
+    plain = replace(task_named("corridor"), pictures={"smrf-rpi": None}, optimum=None)
     monkeypatch.setattr("relforest.experiments.run_config.task_named", lambda _name: plain)
 
     assert draw_runs(SMALL, run_folder) == [run_folder / REWARD]

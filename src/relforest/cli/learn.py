@@ -21,22 +21,27 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class LearnOptions:
-    """Learn a policy for a world with SMRF-RPI.
+    """Learn a policy for a world.
 
-    Every iteration gathers episodes of experience, learns trees that explain the Bellman error, and a policy
-    with the trees as features. All of it is written to a run folder: metrics.jsonl (a line per iteration, the
-    first one before learning), trees/*.json, policy.json, reward.png, and for the corridor q-function.png.
-    The same command started again takes an interrupted run up where it stopped, with the same result; more
-    iterations extend a finished one.
+    Every iteration of SMRF-RPI gathers episodes of experience, learns trees that explain the Bellman error,
+    and a policy with the trees as features. All of it is written to a run folder: metrics.jsonl (a line per
+    iteration, the first one before learning), trees/*.json, policy.json, reward.png, and q-function.png for
+    the corridor or policy-map.png for keepaway. The learner of the keepaway benchmark, Sarsa with tile
+    coding, learns online during the episodes of an iteration. The same command started again takes an
+    interrupted run up where it stopped, with the same result; more iterations extend a finished one.
 
     For example:
       relforest learn corridor
       relforest learn corridor --episodes 500 --iterations 5 --runs 30 --jobs 2 --seed 0 --out runs/corridor
+      relforest learn keepaway --method cmac-sarsa --episodes 500 --iterations 10
 
     Parameters
     ----------
     task
-        What to learn: corridor.
+        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m) or keepaway-4v3 (on 25 m by 25 m).
+    method
+        smrf-rpi, or for keepaway cmac-sarsa (every keeper learns alone, as in the benchmark) or
+        cmac-sarsa-shared (all learn from everyone's experience).
     episodes
         Episodes of training experience per iteration.
     iterations
@@ -58,6 +63,7 @@ class LearnOptions:
     """
 
     task: Annotated[Positional[str], arg(metavar="TASK")]
+    method: Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"] = "smrf-rpi"
     episodes: int = 500
     iterations: int = 5
     runs: int = 1
@@ -74,6 +80,7 @@ def learn(options: LearnOptions) -> int:
     """Learn as the options say; the exit code is 0."""
     from relforest.experiments.run_config import RunConfig
     from relforest.experiments.run_metrics import iterations_of
+    from relforest.experiments.run_pictures import pictures_of
     from relforest.experiments.runs import learn_runs
     from relforest.support.options import at_least
 
@@ -87,6 +94,7 @@ def learn(options: LearnOptions) -> int:
         seed=options.seed,
         test_episodes=options.test_episodes,
         features=options.features,
+        method=options.method,
     )
     out = Path("runs") / options.task if options.out is None else options.out
     console = Console(stderr=True)
@@ -106,28 +114,26 @@ def learn(options: LearnOptions) -> int:
     print(_result(config, folders))
     print()
     print(f"run folder: {out}")
-    for picture in ("q-function.png", "reward.png"):
-        if (out / picture).exists():
-            print(f"picture: {out / picture}")
+    for picture in pictures_of(config, out):
+        print(f"picture: {picture}")
     return 0
 
 
 def _iteration_line(config: RunConfig, run: int, row: dict[str, Any], seconds: dict[str, float]) -> str:
     name = f"run {run}, " if config.runs > 1 else ""
     time = f", {sum(seconds.values()):.1f} s" if seconds else ""
-    counts = f"{row['trees']} trees, {row['leaves']} leaves"
-    return f"{name}iteration {row['iteration']}: test reward {row['test_reward']:.3f}, {counts}{time}"
+    counts = f", {row['trees']} trees, {row['leaves']} leaves" if config.method == "smrf-rpi" else ""
+    return f"{name}iteration {row['iteration']}: test reward {row['test_reward']:.3f}{counts}{time}"
 
 
 def _result(config: RunConfig, folders: list[Path]) -> str:
     """Tell what was learned: everything of a single run, means and the first run's trees of several."""
     from relforest.experiments.run_metrics import metrics_of
     from relforest.reports import run_report
-    from relforest.reports.run_report import averages_table
+    from relforest.reports.run_report import averages_table, metrics_table
 
+    first = run_report(folders[0]) if config.method == "smrf-rpi" else metrics_table(metrics_of(folders[0]))
     if config.runs == 1:
-        return run_report(folders[0])
+        return first
     averages = averages_table([metrics_of(folder) for folder in folders])
-    return (
-        f"mean (standard deviation) of {config.runs} runs\n{averages}\n\nfirst run\n{run_report(folders[0])}"
-    )
+    return f"mean (standard deviation) of {config.runs} runs\n{averages}\n\nfirst run\n{first}"

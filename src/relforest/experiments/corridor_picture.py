@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import final
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.figure import Figure
 from relforest.reports.corridor_figure import BellmanErrors, LeafBand, corridor_figure
 from relforest.rl.bellman import look_ahead
 from relforest.rl.features import forest_features
-from relforest.rl.rollout import world_of
+from relforest.rl.rollout import Environment, world_of
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.samples import draw_samples
 from relforest.rl.value import action_schemas
@@ -63,6 +64,11 @@ def curves(agent: SMRFRPI) -> Curves:
         for tree in trees
     )
     return Curves(x, q_values, bands, _errors(agent))
+
+
+def q_function_picture(folder: Path, env: Environment) -> Figure:
+    """Draw `q_function_figure` of the agent in a run folder, for a corridor."""
+    return q_function_figure(SMRFRPI.load(folder, env))
 
 
 def q_function_figure(agent: SMRFRPI) -> Figure:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from relforest.experiments import calibration, concepts, corridor, covagg, resume
+from relforest.experiments import calibration, concepts, corridor, covagg, keepaway, resume
 from relforest.experiments.study import Study
 
 _ALL: Final[tuple[Study[Any], ...]] = (
@@ -45,6 +45,15 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         corridor.compute,
         corridor.summarize,
         corridor.figures,
+    ),
+    Study(
+        "keepaway",
+        "Is our keepaway that of the RoboCup 2-D server, is it learned as there, and how fast is it?",
+        keepaway.SETTINGS,
+        keepaway.SMOKE,
+        keepaway.compute,
+        keepaway.summarize,
+        keepaway.figures,
     ),
     Study(
         "resume",

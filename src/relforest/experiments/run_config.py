@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from relforest.experiments.folders import Identity
-from relforest.experiments.tasks import Task, task_named
+from relforest.experiments.tasks import METHODS, Method, Task, task_named
 from relforest.rl.features import FEATURE_MODES, FeatureMode
 from relforest.rl.settings import RPISettings
 from relforest.support.options import at_least, one_of
@@ -19,7 +19,7 @@ FORMAT: Final = "relforest-run"
 @final
 @dataclass(frozen=True, slots=True)
 class RunConfig:
-    """One run of SMRF-RPI, or several that differ only in their random numbers.
+    """One run of a learner, or several that differ only in their random numbers.
 
     Parameters
     ----------
@@ -36,12 +36,14 @@ class RunConfig:
     test_episodes : int, optional
         Test episodes after each iteration. Default: as many as `episodes`.
     features : {"densities+bits", "bits", "probability"}
-        What a tree contributes to the features.
+        What a tree contributes to the features, for SMRF-RPI.
+    method : {"smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"}
+        How to learn, see `relforest.experiments.tasks.METHODS`.
 
     Raises
     ------
     InputError
-        If an option is out of its range; the message names it.
+        If an option is out of its range, or the task cannot be learned with this method.
     """
 
     task: str
@@ -51,6 +53,7 @@ class RunConfig:
     seed: int = 0
     test_episodes: int | None = None
     features: FeatureMode = "densities+bits"
+    method: Method = "smrf-rpi"
 
     def __post_init__(self) -> None:
         task_named(self.task)
@@ -60,11 +63,18 @@ class RunConfig:
         if self.test_episodes is not None:
             at_least("test_episodes", self.test_episodes, 1)
         one_of("features", self.features, FEATURE_MODES)
+        one_of("method", self.method, METHODS)
+        one_of(f"the method for {self.task}", self.method, tuple(self.definition.pictures))
 
     @property
     def definition(self) -> Task:
         """The task itself."""
         return task_named(self.task)
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether all agents of a team learn from everyone's experience."""
+        return self.method == "cmac-sarsa-shared"
 
     @property
     def settings(self) -> RPISettings:
@@ -77,18 +87,19 @@ class RunConfig:
 
     def identity(self, run: int | None = None) -> Identity:
         """Return what the folder of one of several runs, or of all (None), depends on."""
-        settings = self.settings.to_dict()
-        del settings["features"]
         content: dict[str, Any] = {
             "task": self.task,
+            "method": self.method,
             "episodes": self.episodes,
             "test_episodes": self.episodes if self.test_episodes is None else self.test_episodes,
             "iterations": self.iterations,
             "runs": self.runs,
             "seed": self.seed,
-            "features": self.features,
-            "settings": settings,
         }
+        if self.method == "smrf-rpi":
+            settings = self.settings.to_dict()
+            del settings["features"]
+            content |= {"features": self.features, "settings": settings}
         if run is not None and self.runs > 1:
             content["run"] = run
         return Identity(RUN, FORMAT, content, growing="iterations")

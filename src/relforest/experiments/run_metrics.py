@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from relforest.experiments import sarsa_folder
 from relforest.rl.checkpoint import CHECKPOINT, FORMAT, VERSION
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json
@@ -18,15 +19,23 @@ def metrics_of(folder: Path) -> list[dict[str, Any]]:
     ModelFormatError
         If its checkpoint is damaged.
     """
-    path = folder / CHECKPOINT
+    path = checkpoint_of(folder)
     if not path.exists():
         return []
+    if path.name == sarsa_folder.CHECKPOINT:
+        return sarsa_folder.read_metrics(folder)
     metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
     if not isinstance(metrics, list):
         raise ModelFormatError(
             f"{path} is damaged: it has no list of metrics; restore it or choose another folder"
         )
     return metrics
+
+
+def checkpoint_of(folder: Path) -> Path:
+    """Return the file of a run that changes when an iteration counts: that of SMRF-RPI, or that of Sarsa."""
+    other = folder / sarsa_folder.CHECKPOINT
+    return other if other.exists() else folder / CHECKPOINT
 
 
 def iterations_of(folder: Path) -> int:

@@ -6,19 +6,16 @@ from pathlib import Path
 from typing import Final
 
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import metrics_of
+from relforest.experiments.run_metrics import checkpoint_of, metrics_of
 from relforest.reports.figure_files import save_figure
 from relforest.reports.learning_figure import reward_figure
-from relforest.rl.checkpoint import CHECKPOINT
-from relforest.rl.rpi import SMRFRPI
 from relforest.support.parallel import one_blas_thread
 
-Q_FUNCTION: Final = "q-function.png"
 REWARD: Final = "reward.png"
 
 
 def draw_runs(config: RunConfig, out: Path) -> list[Path]:
-    """Draw the rewards of all runs and, where the task has such a picture, the values of the first one.
+    """Draw the rewards of all runs and, where the task has such a picture, what the first one learned.
 
     Parameters
     ----------
@@ -33,24 +30,28 @@ def draw_runs(config: RunConfig, out: Path) -> list[Path]:
 
     References
     ----------
-    Palmer (2015), Figures 7.1 and 7.2.
+    Palmer (2015), Figures 7.1, 7.2 and 7.19.
     """
     folders, task = config.folders(out), config.definition
-    reward, pictures = out / REWARD, [out / REWARD]
+    reward = out / REWARD
     if _is_stale(reward, folders):
         runs = [metrics_of(folder) for folder in folders]
         title = f"{task.name}, {config.episodes} episodes per iteration"
         save_figure(reward_figure({task.name: runs}, title=title, optimum=task.optimum), reward)
-    if task.draw_values is not None:
-        pictures.append(out / Q_FUNCTION)
-        if _is_stale(out / Q_FUNCTION, folders[:1]):
-            agent = SMRFRPI.load(folders[0], task.make())
-            with one_blas_thread():
-                figure = task.draw_values(agent)
-            save_figure(figure, out / Q_FUNCTION)
-    return pictures
+    learned = task.pictures[config.method]
+    if learned is not None and _is_stale(out / learned.name, folders[:1]):
+        with one_blas_thread():
+            figure = learned.draw(folders[0], task.make())
+        save_figure(figure, out / learned.name)
+    return pictures_of(config, out)
+
+
+def pictures_of(config: RunConfig, out: Path) -> list[Path]:
+    """Return the pictures of finished runs: what the first one learned, if there is one, and the rewards."""
+    learned = config.definition.pictures[config.method]
+    return [*([] if learned is None else [out / learned.name]), out / REWARD]
 
 
 def _is_stale(picture: Path, folders: list[Path]) -> bool:
-    newest = max((folder / CHECKPOINT).stat().st_mtime_ns for folder in folders)
+    newest = max(checkpoint_of(folder).stat().st_mtime_ns for folder in folders)
     return not picture.exists() or picture.stat().st_mtime_ns < newest

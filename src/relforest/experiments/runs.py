@@ -1,21 +1,25 @@
 """The run store of ``relforest learn``: one folder per run, resumed after any interruption.
 
 A run folder holds ``run.json`` (configuration, versions, seed; written first), what
-`relforest.rl.checkpoint` describes, and two pictures. With several runs there is one such folder for each,
-and ``run.json`` and the pictures stand in the folder around them.
+`relforest.rl.checkpoint` or, for Sarsa, `relforest.experiments.sarsa_folder` describes, and two pictures.
+With several runs there is one such folder for each, and ``run.json`` and the pictures stand in the folder
+around them.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
 
 from relforest.experiments.folders import claimed
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.run_pictures import draw_runs
+from relforest.experiments.sarsa_runs import learn_sarsa_run
 from relforest.experiments.watching import watching
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.parallel import checked_jobs, run_tasks
@@ -98,6 +102,9 @@ def learn_run(
     identity = config.identity(run)
     with claimed(folder, identity, is_finished=lambda: _is_finished(config, [folder])):
         pass
+    if config.method != "smrf-rpi":
+        learn_sarsa_run(config, run, folder, report)
+        return
     agent = SMRFRPI(
         config.definition.make(),
         settings=config.settings,
@@ -110,7 +117,12 @@ def learn_run(
 
 def warm_up(config: RunConfig) -> None:
     """Compile everything that learning needs, so that processes started later find it in the cache."""
-    SMRFRPI(config.definition.make(), settings=config.settings, random_state=0).learn(1, 20, test_episodes=1)
+    if config.method == "smrf-rpi":
+        agent = SMRFRPI(config.definition.make(), settings=config.settings, random_state=0)
+        agent.learn(1, 20, test_episodes=1)
+    else:
+        with TemporaryDirectory() as folder:
+            learn_sarsa_run(replace(config, episodes=1, iterations=1), 0, Path(folder))
 
 
 def _learn_many(

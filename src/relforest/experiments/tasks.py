@@ -1,26 +1,48 @@
-"""What an agent can be told to learn, by the name that the command line has."""
+"""What an agent can be told to learn, by the name that the command line has, and how."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, final
+from typing import Any, Final, Literal, TypeAlias, final, get_args
 
 import gymnasium
 from matplotlib.figure import Figure
 
-from relforest.experiments.corridor_picture import q_function_figure
-from relforest.rl.rpi import SMRFRPI
+from relforest.experiments.corridor_picture import q_function_picture
+from relforest.experiments.keepaway_picture import agent_policy_map, team_policy_map
 from relforest.rl.settings import RPISettings
 from relforest.support.options import one_of
 from relforest.worlds import environment_id
+
+Method: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
+METHODS: Final[tuple[Method, ...]] = get_args(Method)
+"""How to learn: SMRF-RPI; Sarsa on the tile coding of the benchmark, each keeper alone or all together."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture of what a run has learned.
+
+    Parameters
+    ----------
+    name : str
+        Name of its file.
+    draw : callable
+        From the folder of a run and a new environment to the figure.
+    """
+
+    name: str
+    draw: Callable[[Path, gymnasium.Env[Any, Any]], Figure]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A world and how SMRF-RPI learns in it.
+    """A world and how it can be learned.
 
     Parameters
     ----------
@@ -28,28 +50,36 @@ class Task:
         As the command line has it.
     world : str
         A key of `relforest.worlds.ENVIRONMENT_IDS`.
-    description : str
-        One sentence.
+    options : mapping
+        Options of the environment.
     settings : RPISettings
-        Options of the learner.
+        Options of SMRF-RPI.
     optimum : float, optional
         Mean reward per episode of an optimal policy, where it is known.
-    draw_values : callable, optional
-        Draws what an agent has learned, where one picture can show it.
+    pictures : mapping
+        Each method that the task can be learned with -> a picture of what was learned, if there is one.
     """
 
     name: str
     world: str
-    description: str
+    options: Mapping[str, Any] = field(default_factory=dict)
     settings: RPISettings = field(default_factory=RPISettings)
     optimum: float | None = None
-    draw_values: Callable[[SMRFRPI], Figure] | None = None
+    pictures: Mapping[Method, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
 
     def make(self) -> gymnasium.Env[Any, Any]:
         """Return a new environment."""
         # The checker looks at every step of every episode; `relforest.testing` does that once.
-        return gymnasium.make(environment_id(self.world), disable_env_checker=True)
+        return gymnasium.make(environment_id(self.world), disable_env_checker=True, **self.options)
 
+
+_KEEPAWAY_PICTURES: Final[Mapping[Method, Picture]] = MappingProxyType(
+    {
+        "smrf-rpi": Picture("policy-map.png", agent_policy_map),
+        "cmac-sarsa": Picture("policy-map.png", team_policy_map),
+        "cmac-sarsa-shared": Picture("policy-map.png", team_policy_map),
+    }
+)
 
 TASKS: Final[Mapping[str, Task]] = MappingProxyType(
     {
@@ -58,9 +88,20 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
             Task(
                 "corridor",
                 "corridor",
-                "Walk along a corridor whose two ends pay (Palmer (2015), section 7.3).",
                 optimum=8.69,
-                draw_values=q_function_figure,
+                pictures={"smrf-rpi": Picture("q-function.png", q_function_picture)},
+            ),
+            Task(
+                "keepaway",
+                "keepaway",
+                options={"keepers": 3, "takers": 2, "size": 20.0},
+                pictures=_KEEPAWAY_PICTURES,
+            ),
+            Task(
+                "keepaway-4v3",
+                "keepaway",
+                options={"keepers": 4, "takers": 3, "size": 25.0},
+                pictures=_KEEPAWAY_PICTURES,
             ),
         )
     }

@@ -1,0 +1,93 @@
+"""Maps of what learned policies prefer in keepaway, wherever takers stand (Palmer (2015), Figure 7.19)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from relforest.experiments.sarsa_folder import trained_team
+from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
+from relforest.rl.rollout import Environment
+from relforest.rl.rpi import SMRFRPI
+from relforest.support.errors import InputError
+from relforest.worlds.keepaway.env import KeepawayEnv
+from relforest.worlds.keepaway.layout import BODY, Setup
+from relforest.worlds.keepaway.scene import decision, describe, objects
+from relforest.worlds.keepaway.variables import by_distance
+
+_STEP: Final = 0.5
+_ACTOR: Final = 0
+
+# Corners of the field and then its sides, in shares of half a side: where the others wait for the ball.
+_PLACES: Final = (
+    (-0.7, -0.7),
+    (0.7, -0.7),
+    (0.7, 0.7),
+    (0.0, -0.7),
+    (0.7, 0.0),
+    (0.0, 0.7),
+    (-0.7, 0.0),
+)
+_HOLDERS: Final = {"ball in a corner": (-0.7, 0.7), "ball in the centre": (0.0, 0.0)}
+
+
+def agent_policy_map(folder: Path, env: Environment) -> Figure:
+    """Draw what an SMRF-RPI agent of keepaway prefers."""
+    agent = SMRFRPI.load(folder, env)
+    setup = _setup(env)
+    receivers = np.empty(setup.keepers - 1, dtype=np.int64)
+    matrix = objects(setup.keepers, setup.takers)
+
+    def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
+        values = []
+        for players in states:
+            by_distance(players, _ACTOR, 0, receivers)
+            describe(players, matrix)
+            values.append(agent.value_.values(decision(matrix.copy(), _ACTOR, receivers)))
+        return np.array(values)
+
+    return _figure(setup, evaluate, f"SMRF-RPI after {len(agent.experience_)} iterations")
+
+
+def team_policy_map(folder: Path, env: Environment) -> Figure:
+    """Draw what the first agent of a Sarsa team prefers."""
+    setup, agent = _setup(env), trained_team(folder)[0]
+    evaluate = on_variables(agent.values, keepers=setup.keepers, actor=_ACTOR)
+    return _figure(setup, evaluate, "CMAC Sarsa, the first keeper's agent")
+
+
+def formations(setup: Setup) -> tuple[Formation, ...]:
+    """Return two formations: the ball in a corner, and in the centre of the field."""
+    half = np.array([setup.length, setup.width]) / 2
+    made = []
+    for title, first in _HOLDERS.items():
+        others = [_PLACES[i % len(_PLACES)] for i in range(setup.keepers - 1)]
+        players = np.zeros((setup.keepers + setup.takers, BODY + 1))
+        players[: setup.keepers, :2] = np.array([first, *others]) * half
+        # Side by side, a metre apart, as they run for the ball.
+        players[setup.keepers :, 0] = np.arange(setup.takers) - (setup.takers - 1) / 2
+        made.append(Formation(players, _ACTOR, title))
+    return tuple(made)
+
+
+def _figure(setup: Setup, evaluate: Callable[[NDArray[np.float64]], NDArray[Any]], title: str) -> Figure:
+    return policy_map_figure(
+        formations(setup),
+        evaluate,
+        keepers=setup.keepers,
+        field=(setup.length, setup.width),
+        step=_STEP,
+        title=title,
+    )
+
+
+def _setup(env: Environment) -> Setup:
+    world = env.unwrapped
+    if not isinstance(world, KeepawayEnv):
+        raise InputError(f"a map of keepaway needs a KeepawayEnv, got {type(world).__name__}")
+    return world.setup

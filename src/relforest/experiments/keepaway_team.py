@@ -1,0 +1,130 @@
+"""A team of Sarsa agents plays keepaway, each keeper with its own agent and its own clock."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.rl.peers import SarsaLambda, SarsaSettings, TileCoding, make_team
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.support.rng import RandomState, seed_sequence, stream
+from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, advance
+from relforest.worlds.keepaway.games import new_games
+from relforest.worlds.keepaway.layout import CAPPED, END, TIME, Games, Setup
+from relforest.worlds.keepaway.memory import DECIDED
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.referee import place
+from relforest.worlds.keepaway.variables import n_variables, state_variables, tile_widths
+from relforest.worlds.keepaway.views import Work, new_work
+
+Team: TypeAlias = Sequence[SarsaLambda[NDArray[np.float64]]]
+
+
+def benchmark_team(
+    options: KeepawayOptions,
+    settings: SarsaSettings | None = None,
+    *,
+    shared: bool = False,
+    random_state: RandomState = None,
+) -> Team:
+    """Return one untrained agent per keeper, with the tile coding of the benchmark.
+
+    Parameters
+    ----------
+    options : KeepawayOptions
+        The rules of the game.
+    settings : SarsaSettings, optional
+        Default: those of the benchmark.
+    shared : bool
+        Whether all learn from everyone's experience (Palmer (2015), section 7.5.2).
+    random_state : int, SeedSequence, Generator or None
+
+    References
+    ----------
+    Stone, Sutton and Kuhlmann (2005), "Reinforcement learning for RoboCup soccer keepaway".
+    """
+    coding = TileCoding(tile_widths(options.keepers, options.takers), options.keepers)
+    return make_team(coding, options.keepers, settings, shared=shared, random_state=random_state)
+
+
+def frozen(team: Team, random_state: RandomState = None) -> Team:
+    """Return agents with the same weights that always take a best action and do not learn."""
+    seed = seed_sequence(random_state)
+    return [
+        SarsaLambda(
+            agent.features,
+            agent.settings,
+            weights=agent.weights,
+            learn=False,
+            random_state=stream(seed, number),
+        )
+        for number, agent in enumerate(team)
+    ]
+
+
+def play_episodes_with(
+    team: Team, options: KeepawayOptions, episodes: int, seed: np.random.SeedSequence
+) -> NDArray[np.int64]:
+    """Let the agents play; those that learn do so online.
+
+    As in the benchmark, an agent's reward is the number of cycles since it last had the ball in reach, and
+    nothing is discounted. The cycles in which it merely finishes a pass are therefore not credited.
+
+    Parameters
+    ----------
+    team : sequence of SarsaLambda
+        One agent per keeper.
+    options : KeepawayOptions
+    episodes : int
+        How many, at least 1.
+    seed : SeedSequence
+        Of the games; the agents have random streams of their own.
+
+    Returns
+    -------
+    (episodes,) int64
+        Durations in cycles.
+
+    Raises
+    ------
+    InputError
+        If there is not one agent per keeper, or a number is out of range.
+    """
+    if len(team) != options.keepers:
+        raise InputError(f"{options.keepers} keepers need as many agents, got {len(team)}")
+    setup = options.setup()
+    games, work = new_games(setup, [seed]), new_work(setup)
+    durations = np.empty(at_least("episodes", episodes, 1), dtype=np.int64)
+    for episode in range(episodes):
+        if episode > 0:
+            place(games, 0, setup)
+        _play_episode(team, games, setup, work)
+        durations[episode] = games.counters[0, TIME]
+    return durations
+
+
+def _play_episode(team: Team, games: Games, setup: Setup, work: Work) -> None:
+    clock, memory = games.counters[0], games.memory[0]
+    variables = np.empty(n_variables(setup.keepers, setup.takers))
+    has_decided = [False] * setup.keepers
+    action = NO_ACTION
+    while (actor := advance(games, 0, setup, ASK, action, work)) != NOBODY:
+        state_variables(work.views[actor], work.balls[actor], setup.keepers, variables)
+        if has_decided[actor]:
+            elapsed = float(clock[TIME] + 1 - memory[actor, DECIDED])
+            action = team[actor].step(elapsed, elapsed, variables)
+        else:
+            action = team[actor].start(variables)
+            has_decided[actor] = True
+    for agent, decided, row in zip(team, has_decided, memory, strict=False):
+        if decided:
+            elapsed = float(clock[TIME] + 1 - row[DECIDED])
+            if clock[END] == CAPPED:
+                # Cut short, not over: what would follow is worth what the last state seen promises.
+                agent.step(elapsed, elapsed, variables)
+            else:
+                agent.end(elapsed)

@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from experiments.run_folders import contents
+from relforest.experiments import sarsa_folder, sarsa_runs
+from relforest.experiments.run_config import RunConfig
+from relforest.experiments.run_metrics import iterations_of, metrics_of
+from relforest.experiments.runs import learn_runs
+from relforest.experiments.sarsa_folder import trained_team
+from relforest.support.errors import ModelFormatError, RunFolderError
+
+SMALL = RunConfig("keepaway", episodes=1, iterations=1, test_episodes=1, method="cmac-sarsa")
+NAMES = {"run.json", "sarsa-run.json", "metrics.jsonl", "policy-map.png", "reward.png"}
+
+
+class KilledError(BaseException):
+    """Stands for the end of the process."""
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("finished")
+    learn_runs(SMALL, out)
+    return out
+
+
+def test_a_run_folder_holds_metrics_agents_and_pictures(finished: Path) -> None:
+    names = set(contents(finished))
+    models = {name for name in names if name.startswith("model-")}
+
+    assert names - models == NAMES
+    assert {name.split("/")[0] for name in models} == {"model-0001"}
+    rows = [json.loads(line) for line in (finished / "metrics.jsonl").read_text().splitlines()]
+    assert metrics_of(finished) == rows
+    assert [row["iteration"] for row in rows] == [0, 1]
+    assert rows[0]["train_reward"] is None
+    assert all(row["test_reward"] > 0 for row in rows)
+    assert len(trained_team(finished)) == 3
+
+
+def test_more_iterations_extend_a_run_to_the_one_that_had_them_at_once(tmp_path: Path) -> None:
+    longer = replace(SMALL, iterations=2, method="cmac-sarsa-shared")
+    learn_runs(longer, tmp_path / "at-once")
+    learn_runs(replace(longer, iterations=1), tmp_path / "extended")
+    learn_runs(longer, tmp_path / "extended")
+
+    assert contents(tmp_path / "extended") == contents(tmp_path / "at-once")
+    one, other, _ = trained_team(tmp_path / "extended")
+    assert one.weights is other.weights
+
+
+@pytest.mark.parametrize("moment", ["write_team", "write_json", "tidy"])
+def test_a_run_killed_while_it_writes_goes_on_to_the_same_end(
+    tmp_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch, moment: str
+) -> None:
+    calls = 0
+    original = getattr(sarsa_folder, moment)
+
+    def dies(*arguments: Any) -> Any:
+        nonlocal calls
+        calls += 1
+        # The first time is before learning.
+        if calls == 2:
+            raise KilledError
+        return original(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sarsa_folder, moment, dies)
+        with pytest.raises(KilledError):
+            learn_runs(SMALL, tmp_path)
+    learn_runs(SMALL, tmp_path)
+
+    assert contents(tmp_path) == contents(finished)
+
+
+def test_a_finished_run_is_left_unchanged(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sarsa_runs, "play_episodes_with", None)
+    before = contents(finished)
+    learn_runs(SMALL, finished)
+
+    assert contents(finished) == before
+
+
+def test_several_runs_have_folders_of_their_own(tmp_path: Path) -> None:
+    reports: list[tuple[int, int]] = []
+    two = replace(SMALL, runs=2)
+    folders = learn_runs(
+        two, tmp_path, on_iteration=lambda run, row, _: reports.append((run, row["iteration"]))
+    )
+
+    assert [folder.name for folder in folders] == ["run-00", "run-01"]
+    assert reports == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert metrics_of(folders[0]) != metrics_of(folders[1])
+
+
+def test_another_method_is_refused(finished: Path) -> None:
+    with pytest.raises(RunFolderError, match=r"method \('cmac-sarsa' there, 'cmac-sarsa-shared' here\)"):
+        learn_runs(replace(SMALL, method="cmac-sarsa-shared"), finished)
+
+
+@pytest.mark.parametrize(
+    "content", ["{}", "[", '{"format": "relforest-sarsa-run", "version": 1, "metrics": []}']
+)
+def test_a_damaged_checkpoint_is_named(tmp_path: Path, content: str) -> None:
+    (tmp_path / "sarsa-run.json").write_text(content)
+
+    assert iterations_of(tmp_path) == -1
+    with pytest.raises(ModelFormatError, match=r"sarsa-run\.json"):
+        metrics_of(tmp_path)
