@@ -8,7 +8,6 @@ sequences are played at the same time.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -17,7 +16,6 @@ from typing import Final, SupportsIndex, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.support.errors import InputError
 from relforest.support.options import at_least, one_of
 from relforest.support.parallel import run_tasks
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
@@ -35,6 +33,7 @@ from relforest.worlds.keepaway.events import N_EVENTS, Tally, forget_events, new
 from relforest.worlds.keepaway.games import Games, new_games
 from relforest.worlds.keepaway.layout import END, TIME, Setup
 from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.policies import checked_action
 from relforest.worlds.keepaway.referee import place
 from relforest.worlds.keepaway.variables import n_variables, state_variables
 from relforest.worlds.keepaway.views import Work, new_work
@@ -198,17 +197,4 @@ def _play_episode(
         if actor >= 0 and callable(policy):
             variables = np.empty(n_variables(setup.keepers, setup.takers))
             state_variables(work.views[actor], work.balls[actor], setup.keepers, variables)
-            action = _checked(policy(variables, rng), setup.keepers)
-
-
-def _checked(action: object, keepers: int) -> int:
-    try:
-        chosen = operator.index(action)  # type: ignore[arg-type]
-    except TypeError:
-        chosen = -1
-    if isinstance(action, bool) or not 0 <= chosen < keepers:
-        raise InputError(
-            f"the policy must return an integer from 0 (hold) to {keepers - 1} (pass to the farthest "
-            f"teammate), got {action!r}"
-        )
-    return chosen
+            action = checked_action(policy(variables, rng), setup.keepers)

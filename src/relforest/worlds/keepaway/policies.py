@@ -6,6 +6,7 @@ learners' policies, ``choose(decision, rng)`` returns a position in the decision
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -52,6 +53,26 @@ def hand_coded(variables: NDArray[np.float64], keepers: int, takers: int) -> int
         if score > highest + TIE:
             best, highest = rank + 1, score
     return best
+
+
+def checked_action(action: object, keepers: int) -> int:
+    """Return what a policy of the form ``(state_variables, rng) -> int`` chose as a plain integer.
+
+    Raises
+    ------
+    InputError
+        If it is no integer from 0 to ``keepers - 1``.
+    """
+    try:
+        chosen = operator.index(action)  # type: ignore[arg-type]
+    except TypeError:
+        chosen = -1
+    if isinstance(action, bool) or not 0 <= chosen < keepers:
+        raise InputError(
+            f"the policy must return an integer from 0 (hold) to {keepers - 1} (pass to the farthest "
+            f"teammate), got {action!r}"
+        )
+    return chosen
 
 
 @final

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
 from typing import TypeAlias, final
 
@@ -18,7 +17,13 @@ from relforest.worlds.keepaway.games import new_games
 from relforest.worlds.keepaway.layout import END, PLAYING, TIME, Setup
 from relforest.worlds.keepaway.options import KeepawayOptions
 from relforest.worlds.keepaway.physics import execute
-from relforest.worlds.keepaway.policies import CALM, DISTANCE_WEIGHT, HOLD_SCORE, hand_coded
+from relforest.worlds.keepaway.policies import (
+    CALM,
+    DISTANCE_WEIGHT,
+    HOLD_SCORE,
+    checked_action,
+    hand_coded,
+)
 from relforest.worlds.keepaway.randomness import below
 from relforest.worlds.keepaway.recording import Decisions, Recording
 from relforest.worlds.keepaway.referee import judge, place
@@ -151,20 +156,7 @@ class _Recorder:
         elif policy == "hand":
             worth = hand_scores(variables, keepers, takers)
         if callable(policy):
-            return _checked(policy(variables.copy(), self._rng), keepers), worth
+            return checked_action(policy(variables.copy(), self._rng), keepers), worth
         if policy == "random":
             return below(self._games.streams, 0, keepers), worth
         return hand_coded(variables, keepers, takers) if policy == "hand" else 0, worth
-
-
-def _checked(action: object, keepers: int) -> int:
-    try:
-        chosen = operator.index(action)  # type: ignore[arg-type]
-    except TypeError:
-        chosen = -1
-    if isinstance(action, bool) or not 0 <= chosen < keepers:
-        raise InputError(
-            f"the policy must return an integer from 0 (hold) to {keepers - 1} (pass to the farthest "
-            f"teammate), got {action!r}"
-        )
-    return chosen
