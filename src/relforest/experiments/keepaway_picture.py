@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from relforest.experiments.keepaway_policies import scene_decision
 from relforest.experiments.sarsa_folder import trained_team
 from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
 from relforest.rl.rollout import Environment
@@ -17,8 +18,6 @@ from relforest.rl.rpi import SMRFRPI
 from relforest.support.errors import InputError
 from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.layout import BODY, Setup
-from relforest.worlds.keepaway.scene import decision, describe, objects
-from relforest.worlds.keepaway.variables import by_distance
 
 _STEP: Final = 0.5
 _ACTOR: Final = 0
@@ -40,16 +39,10 @@ def agent_policy_map(folder: Path, env: Environment) -> Figure:
     """Draw what an SMRF-RPI agent of keepaway prefers."""
     agent = SMRFRPI.load(folder, env)
     setup = _setup(env)
-    receivers = np.empty(setup.keepers - 1, dtype=np.int64)
-    matrix = objects(setup.keepers, setup.takers)
 
     def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
-        values = []
-        for players in states:
-            by_distance(players, _ACTOR, 0, receivers)
-            describe(players, matrix)
-            values.append(agent.value_.values(decision(matrix.copy(), _ACTOR, receivers)))
-        return np.array(values)
+        seen = (scene_decision(players, setup.keepers, _ACTOR) for players in states)
+        return np.array([agent.value_.values(decision) for decision in seen])
 
     return _figure(setup, evaluate, f"SMRF-RPI after {len(agent.experience_)} iterations")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias, final
+from typing import Protocol, TypeAlias, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,8 +35,26 @@ Values: TypeAlias = Callable[[NDArray[np.float64]], ArrayLike]
 """From the state variables of a decision to the value of each action, (keepers,), NaN = unknown."""
 
 
+@runtime_checkable
+class Decider(Protocol):
+    """A policy that looks at the players themselves, and can tell what the actions are worth to it."""
+
+    def decide(
+        self,
+        players: NDArray[np.float64],
+        ball: NDArray[np.float64],
+        actor: int,
+        rng: np.random.Generator,
+    ) -> tuple[int, ArrayLike]:
+        """Return an action of the keeper `actor`, and the value of each of its actions, (keepers,).
+
+        `players` (n, 5) and `ball` (4,) are what this keeper perceives, with the columns of `layout`.
+        """
+        ...
+
+
 def record_episodes(
-    policy: Policy,
+    policy: Policy | Decider,
     options: KeepawayOptions | None = None,
     episodes: int = 1,
     seed: RandomState = 0,
@@ -48,10 +66,12 @@ def record_episodes(
     Parameters
     ----------
     policy, options, episodes, seed
-        As for `relforest.worlds.keepaway.durations.play_episodes`, which plays the same episodes faster.
+        As for `relforest.worlds.keepaway.durations.play_episodes`, which plays the same episodes faster; the
+        policy may also be a `Decider`.
     values : callable, optional
         What the actions of a state are worth to the policy; it changes nothing in the game. By default, the
-        actions of the hand-coded policy are worth their scores, and nothing is known of others.
+        actions of the hand-coded policy are worth their scores, those of a `Decider` what it says, and
+        nothing is known of others.
 
     Returns
     -------
@@ -63,7 +83,7 @@ def record_episodes(
         If an option lies outside its range, the policy returns an action that does not exist, or ``values``
         does not return one number per action.
     """
-    if not callable(policy):
+    if not callable(policy) and not isinstance(policy, Decider):
         one_of("policy", policy, tuple(POLICIES))
     setup = (options or KeepawayOptions()).setup()
     lanes = min(LANES, at_least("episodes", episodes, 1))
@@ -89,7 +109,11 @@ class _Recorder:
     """Plays consecutive episodes of one game."""
 
     def __init__(
-        self, policy: Policy, setup: Setup, values: Values | None, seed: np.random.SeedSequence
+        self,
+        policy: Policy | Decider,
+        setup: Setup,
+        values: Values | None,
+        seed: np.random.SeedSequence,
     ) -> None:
         self._policy, self._setup, self._values = policy, setup, values
         self._games, self._work = new_games(setup, [stream(seed, 0)]), new_work(setup)
@@ -147,12 +171,12 @@ class _Recorder:
         variables = np.empty(n_variables(keepers, takers))
         state_variables(self._work.views[actor], self._work.balls[actor], keepers, variables)
         worth = np.full(keepers, np.nan)
+        if isinstance(policy, Decider):
+            seen = (self._work.views[actor].copy(), self._work.balls[actor].copy())
+            answer, told = policy.decide(*seen, actor, self._rng)
+            return checked_action(answer, keepers), _checked_values(told, keepers)
         if self._values is not None:
-            worth = np.array(self._values(variables.copy()), dtype=np.float64)
-            if worth.shape != (keepers,):
-                raise InputError(
-                    f"values must return one number for each of {keepers} actions, got {worth.shape}"
-                )
+            worth = _checked_values(self._values(variables.copy()), keepers)
         elif policy == "hand":
             worth = hand_scores(variables, keepers, takers)
         if callable(policy):
@@ -160,3 +184,10 @@ class _Recorder:
         if policy == "random":
             return below(self._games.streams, 0, keepers), worth
         return hand_coded(variables, keepers, takers) if policy == "hand" else 0, worth
+
+
+def _checked_values(values: ArrayLike, keepers: int) -> NDArray[np.float64]:
+    worth = np.array(values, dtype=np.float64)
+    if worth.shape != (keepers,):
+        raise InputError(f"values must return one number for each of {keepers} actions, got {worth.shape}")
+    return worth

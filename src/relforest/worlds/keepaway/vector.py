@@ -53,6 +53,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
 
     Examples
     --------
+    >>> import gymnasium
     >>> envs = gymnasium.make_vec("relforest/Keepaway-v0", num_envs=64, keepers=4, takers=3, size=25.0)
     >>> observations, infos = envs.reset(seed=0)
     >>> observations, rewards, terminations, truncations, infos = envs.step(np.zeros(64, dtype=np.int64))

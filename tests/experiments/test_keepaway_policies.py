@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+
+from relforest.experiments.keepaway_policies import AgentDecider, TeamDecider, learned_policy
+from relforest.experiments.keepaway_team import benchmark_team, play_episodes_with
+from relforest.experiments.sarsa_folder import write_iteration
+from relforest.rl.rpi import SMRFRPI
+from relforest.support.errors import InputError
+from relforest.support.rng import seed_sequence
+from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.recorder import record_episodes
+
+RULES = KeepawayOptions(max_cycles=15)
+ROW = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
+
+
+def test_a_team_decides_by_the_values_of_each_keepers_own_agent(tmp_path: Path) -> None:
+    team = benchmark_team(RULES, random_state=0)
+    play_episodes_with(team, RULES, 2, seed_sequence(0))
+    write_iteration(tmp_path, team, [ROW])
+    policy = learned_policy(tmp_path, 3)
+    assert isinstance(policy, TeamDecider)
+    decisions = record_episodes(policy, RULES, 1, 0)[0].decisions
+
+    assert len(decisions.times) > 0
+    best = decisions.values[np.arange(len(decisions.times)), decisions.actions]
+    np.testing.assert_array_equal(best, decisions.values.max(axis=1))
+
+
+def test_what_smrf_rpi_learned_plays_with_other_numbers_of_players(tmp_path: Path) -> None:
+    env = gymnasium.make("relforest/Keepaway-v0", max_cycles=15)
+    SMRFRPI(env, random_state=0, checkpoint=tmp_path).learn(1, 2, test_episodes=1)
+    policy = learned_policy(tmp_path, 4)
+    assert isinstance(policy, AgentDecider)
+    (recording,) = record_episodes(policy, KeepawayOptions(4, 3, 25.0, max_cycles=12), 1, 0)
+
+    assert recording.decisions.values.shape[1] == 4
+    assert np.isfinite(recording.decisions.values).all()
+
+
+def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="holds no run of keepaway"):
+        learned_policy(tmp_path, 3)
+    write_iteration(tmp_path, benchmark_team(RULES), [ROW])
+    with pytest.raises(InputError, match="a team of 3 keepers, not 4"):
+        learned_policy(tmp_path, 4)
