@@ -113,3 +113,8 @@ def test_a_damaged_checkpoint_is_named(tmp_path: Path, content: str) -> None:
     assert iterations_of(tmp_path) == -1
     with pytest.raises(ModelFormatError, match=r"sarsa-run\.json"):
         metrics_of(tmp_path)
+
+
+def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ModelFormatError, match=r"holds no sarsa-run\.json"):
+        trained_team(tmp_path)

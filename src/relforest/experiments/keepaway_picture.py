@@ -63,7 +63,8 @@ def formations(setup: Setup) -> tuple[Formation, ...]:
         players = np.zeros((setup.keepers + setup.takers, BODY + 1))
         players[: setup.keepers, :2] = np.array([first, *others]) * half
         # Side by side, a metre apart, as they run for the ball.
-        players[setup.keepers :, 0] = np.arange(setup.takers) - (setup.takers - 1) / 2
+        players[setup.keepers :, :2] = 0.35 * half
+        players[setup.keepers :, 0] += np.arange(setup.takers) - (setup.takers - 1) / 2
         made.append(Formation(players, _ACTOR, title))
     return tuple(made)
 

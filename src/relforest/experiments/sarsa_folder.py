@@ -62,7 +62,10 @@ def trained_team(folder: Path) -> Team:
     ModelFormatError
         If a file is missing or damaged.
     """
-    return read_team(_model(folder, len(read_metrics(folder)) - 1), learn=False)
+    metrics = read_metrics(folder)
+    if not metrics:
+        raise ModelFormatError(f"{folder} holds no {CHECKPOINT}: no run of Sarsa has been written there")
+    return read_team(_model(folder, len(metrics) - 1), learn=False)
 
 
 def write_iteration(folder: Path, team: Team, metrics: list[Row]) -> None:
