@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import html
-import json
 import math
-import pkgutil
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
+from relforest.support.player import player_page
 from relforest.worlds.keepaway.recording import Recording
 
-_PLACE: Final = re.compile(r"@@([a-z]+)@@")
-# Within a script element, "</script" and "<!--" would end or hide what follows, and JSON allows line
-# separators that old JavaScript does not.
-_UNSAFE: Final = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 _DIGITS: Final = 5
 
 
@@ -64,14 +57,7 @@ def page(recordings: Sequence[Recording], *, title: str = "Keepaway", subtitle: 
         "takers": first.takers,
         "episodes": [_episode(recording) for recording in recordings],
     }
-    parts = {
-        "title": html.escape(title),
-        "style": _asset("css"),
-        "script": _asset("js"),
-        "data": _embedded(game),
-    }
-    # In one pass, so that nothing inside a part is taken for a place to fill.
-    return _PLACE.sub(lambda place: parts[place[1]], _asset("html"))
+    return player_page("relforest.worlds.keepaway", game)
 
 
 def _episode(recording: Recording) -> dict[str, Any]:
@@ -103,16 +89,3 @@ def _whole(values: NDArray[np.float64]) -> NDArray[np.int64]:
 
 def _rounded(value: float) -> float | None:
     return float(f"{value:.{_DIGITS}g}") if math.isfinite(value) else None
-
-
-def _embedded(document: Mapping[str, Any]) -> str:
-    """Return JSON that is safe inside a script element."""
-    text = json.dumps(document, separators=(",", ":"), allow_nan=False)
-    return re.sub("[<>&\u2028\u2029]", lambda found: _UNSAFE[found[0]], text)
-
-
-def _asset(suffix: str) -> str:
-    data = pkgutil.get_data("relforest.worlds.keepaway", f"episode_player.{suffix}")
-    if data is None:
-        raise InputError(f"this installation of relforest lacks episode_player.{suffix}: install it again")
-    return data.decode("utf-8").rstrip("\n")

@@ -13,15 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from relforest.support.errors import InputError
-from relforest.worlds.keepaway.painting import (
-    Canvas,
-    Color,
-    Point,
-    blend,
-    paint_ring,
-    paint_stroke,
-    paint_trail,
-)
+from relforest.support.lettering import write
+from relforest.support.painting import Canvas, Color, Point, paint_ring, paint_stroke, paint_trail
 from relforest.worlds.keepaway.variables import by_distance
 
 LONGEST: Final = 560
@@ -46,9 +39,6 @@ _KICKABLE: Final = 1.085
 _NARROWEST: Final = 140.0
 _ROW: Final = 40
 _GAP: Final = 24.0
-_MOST_MASKS: Final = 4096
-
-_MASKS: Final[dict[tuple[str, int, bool], tuple[NDArray[np.float32], int]]] = {}
 
 
 @final
@@ -146,7 +136,8 @@ class KeepawayViewer:
         paint_stroke(canvas, _INK, spot, spot, _BALL + 1.5)
         paint_stroke(canvas, _CHALK, spot, spot, _BALL)
         if time is not None:
-            _write(canvas, f"{time / 10:.1f} s", (self.shape[1] - _MARGIN, _MARGIN / 2), size=13, side=1.0)
+            at = (self.shape[1] - _MARGIN, _MARGIN / 2)
+            write(canvas, f"{time / 10:.1f} s", at, size=13, side=1.0, color=_GREY)
         return canvas
 
     def _checked(self, name: str, values: ArrayLike, columns: int) -> NDArray[np.float64]:
@@ -225,7 +216,7 @@ class KeepawayViewer:
         paint_stroke(canvas, _INK, spot, spot, _RADIUS)
         paint_stroke(canvas, _KEEPER if keeper else _TAKER, spot, spot, _RADIUS - 1.5)
         if keeper:
-            _write(canvas, str(player + 1), spot, size=12, bold=True, color=_INK)
+            write(canvas, str(player + 1), spot, size=12, bold=True, color=_INK)
 
     def _draw_actions(self, canvas: Canvas, order: list[int], action: int, values: ArrayLike | None) -> None:
         numbers = None if values is None else np.asarray(values, dtype=np.float64)
@@ -239,11 +230,11 @@ class KeepawayViewer:
             row = self._panel + _ROW * (choice // self._columns) + 8.0
             color = _CHOICE if choice == action else _GREY
             name = "hold" if choice == 0 else f"pass to {player + 1}"
-            _write(canvas, name, (left, row), size=12, side=-1.0, color=color, bold=choice == action)
+            write(canvas, name, (left, row), size=12, side=-1.0, color=color, bold=choice == action)
             if numbers is None:
                 continue
             right = left + span - _GAP
-            _write(canvas, _brief(float(numbers[choice])), (right, row), size=12, side=1.0, color=color)
+            write(canvas, _brief(float(numbers[choice])), (right, row), size=12, side=1.0, color=color)
             below = row + 15
             paint_stroke(canvas, _TRACK, (left + 2, below), (right - 2, below), 2.5)
             if shares[choice] > 0:
@@ -275,43 +266,3 @@ def _shares(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _brief(value: float) -> str:
     return f"{value:.3g}".replace("-", "\N{MINUS SIGN}") if math.isfinite(value) else "?"
-
-
-def _write(
-    canvas: Canvas,
-    text: str,
-    at: Point,
-    *,
-    size: int,
-    side: float = 0.0,
-    bold: bool = False,
-    color: Color = _GREY,
-) -> None:
-    """Write a line of text centred at a point, or ending (side 1) or beginning (side -1) there."""
-    mask, ascent = _mask(text, size, bold=bold)
-    left = round(at[0] - (1 + side) / 2 * mask.shape[1])
-    # Digits of this font are 0.73 of its size high; all lines stand on their base lines.
-    top = round(at[1] + 0.365 * size) - ascent
-    patch = canvas[max(top, 0) : top + mask.shape[0], max(left, 0) : left + mask.shape[1]]
-    blend(patch, color, mask[: patch.shape[0], : patch.shape[1]])
-
-
-def _mask(text: str, size: int, *, bold: bool) -> tuple[NDArray[np.float32], int]:
-    """Return how far the pixels of a line of text are covered, and its rows above the base line.
-
-    The font is DejaVu Sans, which Matplotlib brings along.
-    """
-    key = (text, size, bold)
-    if key not in _MASKS:
-        # Only those who look at pictures pay for loading Matplotlib.
-        from matplotlib.font_manager import FontProperties, findfont, get_font  # noqa: PLC0415
-
-        font = get_font(findfont(FontProperties(family="DejaVu Sans", weight="bold" if bold else "normal")))
-        font.set_size(size, 72)
-        font.set_text(text)
-        font.draw_glyphs_to_bitmap(antialiased=True)
-        mask = np.asarray(font.get_image(), dtype=np.float32) / np.float32(255)
-        if len(_MASKS) > _MOST_MASKS:
-            _MASKS.clear()
-        _MASKS[key] = mask, len(mask) - round(font.get_descent() / 64)
-    return _MASKS[key]

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relforest.worlds.keepaway.painting import Canvas, blend, paint_ring, paint_stroke, paint_trail
+from relforest.support.painting import Canvas, blend, paint_box, paint_ring, paint_stroke, paint_trail
 
 RED = (255, 0, 0)
 
@@ -40,6 +40,31 @@ def test_a_ring_covers_a_band() -> None:
 
     assert red(canvas) == pytest.approx(2 * np.pi * 12.0 * 3.0, rel=0.01)
     assert canvas[20, 30].tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, -1.2, 2.5])
+def test_a_box_covers_its_area_however_it_is_turned(angle: float) -> None:
+    canvas = blank()
+    paint_box(canvas, RED, (30.0, 20.0), (15.0, 4.0), angle)
+
+    assert red(canvas) == pytest.approx(30.0 * 8.0, rel=0.02)
+    assert canvas[20, 30].tolist() == [255, 0, 0]
+
+
+def test_a_box_turns_from_columns_towards_rows() -> None:
+    canvas = blank()
+    paint_box(canvas, RED, (30.0, 20.0), (15.0, 2.0), np.pi / 6)
+
+    # 12 pixels along the box: 10.4 columns to the right and 6 rows down.
+    assert canvas[26, 40, 0] == 255
+    assert canvas[14, 40, 0] == 0
+
+
+def test_a_box_thinner_than_a_pixel_is_faint() -> None:
+    canvas = blank()
+    paint_box(canvas, RED, (30.0, 20.5), (10.0, 0.2), 0.0)
+
+    assert canvas[20, 30, 0] == pytest.approx(0.4 * 255, abs=1.0)
 
 
 def test_what_lies_outside_the_picture_is_left_out() -> None:

@@ -1,10 +1,11 @@
-"""Soft-edged strokes, rings and trails on pictures of pixels.
+"""Soft-edged strokes, rings, boxes and trails on pictures of pixels.
 
 A pixel is covered as far as its centre lies inside an outline, which gives soft edges one pixel wide.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -89,6 +90,18 @@ def paint_ring(canvas: Canvas, color: Color, center: Point, radius: float, thick
     patch, columns, rows = _patch(canvas, center, center, radius + thickness)
     off = np.abs(np.hypot(columns - center[0], rows - center[1]) - radius)
     blend(patch, color, np.clip(thickness + 0.5 - off, 0, 1))
+
+
+def paint_box(canvas: Canvas, color: Color, center: Point, halves: Point, angle: float) -> None:
+    """Paint a box with these half sides, turned by an angle in radians from columns towards rows."""
+    along, across = math.cos(angle), math.sin(angle)
+    patch, columns, rows = _patch(canvas, center, center, math.hypot(*halves))
+    right, down = columns - center[0], rows - center[1]
+    inside_width = halves[0] + 0.5 - np.abs(right * along + down * across)
+    inside_height = halves[1] + 0.5 - np.abs(down * along - right * across)
+    # A box thinner than a pixel covers no pixel whole.
+    cover = np.clip(inside_width, 0, min(2 * halves[0], 1)) * np.clip(inside_height, 0, min(2 * halves[1], 1))
+    blend(patch, color, cover)
 
 
 def _patch(
