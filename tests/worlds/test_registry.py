@@ -8,6 +8,7 @@ import pytest
 
 from relforest.support.errors import InputError
 from relforest.worlds import ENVIRONMENT_IDS, environment_id, register_worlds
+from relforest.worlds.blocks.env import BlocksEnv
 from relforest.worlds.corridor.env import CorridorEnv
 from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.vector import KeepawayVectorEnv
@@ -54,8 +55,21 @@ def test_gymnasium_can_import_the_library_by_itself() -> None:
 
 
 def test_an_unknown_world_is_an_error_that_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match="world must be one of 'corridor', 'keepaway', got 'labyrinth'"):
+    with pytest.raises(InputError, match=r"world must be one of 'corridor', 'keepaway', .* got 'labyrinth'"):
         environment_id("labyrinth")
+
+
+def test_the_tasks_of_the_blocks_world_are_made_by_their_identifiers_with_options() -> None:
+    for env, n_actions in (
+        # 20 ordered pairs to put, 5 blocks to rotate.
+        (gymnasium.make("relforest/HighTowers-v0"), 25),
+        # 6 ordered pairs to put, 3 blocks to isolate.
+        (gymnasium.make("relforest/ColorGrouping-v0", n_blocks=3, distance="rgb"), 9),
+        # 3 blocks to rotate, 1 + 2 + 2 targets for each, done.
+        (gymnasium.make("relforest/Arch-v0", sampler="training"), 19),
+    ):
+        assert isinstance(env.unwrapped, BlocksEnv)
+        assert env.action_space == gymnasium.spaces.Discrete(n_actions)
 
 
 def test_without_pettingzoo_only_its_face_is_missing_and_the_error_names_the_remedy() -> None:

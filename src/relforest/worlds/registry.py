@@ -11,7 +11,13 @@ import gymnasium
 from relforest.support.options import one_of
 
 ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType(
-    {"corridor": "relforest/Corridor-v0", "keepaway": "relforest/Keepaway-v0"}
+    {
+        "corridor": "relforest/Corridor-v0",
+        "keepaway": "relforest/Keepaway-v0",
+        "high-towers": "relforest/HighTowers-v0",
+        "color-grouping": "relforest/ColorGrouping-v0",
+        "arch": "relforest/Arch-v0",
+    }
 )
 """Name of a world, as the command line has it -> its identifier for ``gymnasium.make``."""
 
@@ -19,6 +25,9 @@ _ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "relforest/Corridor-v0": "relforest.worlds.corridor.env:CorridorEnv",
         "relforest/Keepaway-v0": "relforest.worlds.keepaway.env:KeepawayEnv",
+        "relforest/HighTowers-v0": "relforest.worlds.blocks.env:high_towers_env",
+        "relforest/ColorGrouping-v0": "relforest.worlds.blocks.env:color_grouping_env",
+        "relforest/Arch-v0": "relforest.worlds.blocks.env:arch_env",
     }
 )
 

@@ -1,0 +1,134 @@
+"""The ground actions of a task as one flat list: what the members of the ``Discrete`` space mean.
+
+Objects have slots: one per block, in the order in which the blocks were dropped, then one per target that a
+sampler may offer. Slots never change during an episode, though blocks may fall off the table and targets come
+and go; so an action keeps its number, and is unavailable while one of its objects is missing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.smdp import UNBOUND, ActionType, Decision
+from relforest.support.errors import InputError
+
+TARGET: Final = "target"
+"""The parameter that is bound to a virtual object: a place instead of a block."""
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class FlatActions:
+    """All ground actions, whether or not they are available.
+
+    Parameters
+    ----------
+    types : (n,) int64
+        Position among the action types, in ascending order.
+    slots : (n, k) int64
+        Object slots bound to the parameters; `UNBOUND` beyond the arity, and for a block that is moved to a
+        target: the target says which block that is.
+    targets : (n,) int64
+        Number of the target of each action, `UNBOUND` for actions without one.
+    """
+
+    types: NDArray[np.int64]
+    slots: NDArray[np.int64]
+    targets: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        """Return the number of ground actions."""
+        return len(self.types)
+
+    def decision(
+        self, objects: NDArray[np.float64], present: NDArray[np.bool_], movers: NDArray[np.int64]
+    ) -> Decision:
+        """Return the actions whose objects are all there.
+
+        Parameters
+        ----------
+        objects : (m, w) float64
+            The objects that are there, in the order of their slots.
+        present : (n_slots,) bool
+            Which slots they have.
+        movers : (n_targets,) int64
+            The slot of the block that each target is for.
+        """
+        rows = np.where(present, np.cumsum(present) - 1, UNBOUND)
+        slots = self.slots.copy()
+        aimed = self.targets != UNBOUND
+        if aimed.any():
+            slots[aimed, 0] = movers[self.targets[aimed]]
+        is_used = slots != UNBOUND
+        indices = np.flatnonzero((present[slots] | ~is_used).all(axis=1))
+        arguments = np.where(is_used, rows[slots], UNBOUND)
+        return Decision(objects, self.types[indices], arguments[indices], indices)
+
+    def nothing(self, objects: NDArray[np.float64]) -> Decision:
+        """Return the decision of a terminal state, which offers no action."""
+        none = np.empty(0, dtype=np.int64)
+        return Decision(objects, none, self.slots[none], none)
+
+
+def flat_actions(action_types: tuple[ActionType, ...], n_blocks: int, n_targets: int) -> FlatActions:
+    """Return the ground actions of all types, type after type.
+
+    A type with a parameter called ``target`` has one action per target, any other one for every way to bind
+    different blocks to its parameters: for the last action types of all with two blocks a and b, (0, 1),
+    (0, 2), ..., (1, 0), (1, 2), ...
+
+    Parameters
+    ----------
+    action_types : tuple of ActionType
+    n_blocks, n_targets : int
+        Numbers of slots.
+    """
+    arity = max(action_type.arity for action_type in action_types)
+    types: list[int] = []
+    slots: list[tuple[int, ...]] = []
+    targets: list[int] = []
+    for number, action_type in enumerate(action_types):
+        aimed = TARGET in action_type.parameters
+        bindings = (
+            [(UNBOUND, n_blocks + target) for target in range(n_targets)]
+            if aimed
+            else list(permutations(range(n_blocks), action_type.arity))
+        )
+        types += [number] * len(bindings)
+        slots += [binding + (UNBOUND,) * (arity - action_type.arity) for binding in bindings]
+        targets += list(range(n_targets)) if aimed else [UNBOUND] * len(bindings)
+    return FlatActions(
+        np.array(types, dtype=np.int64),
+        np.array(slots, dtype=np.int64).reshape(-1, arity),
+        np.array(targets, dtype=np.int64),
+    )
+
+
+def position_of(decision: Decision, action_type: int, *objects: int) -> int:
+    """Return the position of an available action in a decision.
+
+    Parameters
+    ----------
+    decision : Decision
+    action_type : int
+        Position among the action types.
+    *objects : int
+        Rows of the objects bound to its parameters.
+
+    Raises
+    ------
+    InputError
+        If the action is not available.
+    """
+    is_it = decision.types == action_type
+    for column, row in enumerate(objects):
+        is_it &= decision.arguments[:, column] == row
+    found = np.flatnonzero(is_it)
+    if not len(found):
+        raise InputError(f"the decision offers no action of type {action_type} with the objects {objects}")
+    return int(found[0])

@@ -1,0 +1,113 @@
+"""What a block is, and the two kinds of blocks that episodes begin with."""
+
+from __future__ import annotations
+
+import colorsys
+import math
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range
+
+SMALLEST_HALF: Final = 0.5
+LARGEST_HALF: Final = 5.0
+"""Bounds of the half sides of random blocks: sides of 1 to 10 (Palmer (2015), section 7.4.1)."""
+
+ARCH_HALF_EXTENTS: Final = (4.0, 2.0)
+"""Half sides of the blocks of the arch task: 8 long, 4 high (Palmer (2015), section 7.4.3)."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A rectangular block; where it is, only the simulation knows.
+
+    Parameters
+    ----------
+    id : int
+        Names the block; no other block of a simulation ever has the same.
+    half_extents : tuple of float
+        Half the width and half the height while the block's angle is 0.
+    color : tuple of float
+        Red, green and blue, sRGB, each from 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If the id is negative, a half extent is not a finite positive number, or a colour is outside [0, 1].
+    """
+
+    id: int
+    half_extents: tuple[float, float]
+    color: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "id", at_least("id of a block", self.id, 0))
+        half_extents, color = tuple(self.half_extents), tuple(self.color)
+        if len(half_extents) != 2 or len(color) != 3:
+            raise InputError(
+                f"a block has two half extents and three parts of colour, got {half_extents} and {color}"
+            )
+        halves = [
+            in_range("half extent", half, 0, math.inf, open_low=True, open_high=True) for half in half_extents
+        ]
+        object.__setattr__(self, "half_extents", tuple(halves))
+        object.__setattr__(self, "color", tuple(in_range("color", part, 0, 1) for part in color))
+
+
+def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tuple[Block, ...]:
+    """Draw blocks of all sizes and colours.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Consumed by five uniform numbers a block.
+    n : int
+        Number of blocks, 0 or more.
+    first_id : int
+        The blocks are numbered from here; `BlocksSimulation.next_id` is never used before.
+
+    Notes
+    -----
+    Half extents are uniform between `SMALLEST_HALF` and `LARGEST_HALF`. Colours are uniform in hue,
+    saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale ones are
+    frequent.
+    """
+    start = at_least("first_id", first_id, 0)
+    return tuple(
+        Block(start + i, (_random_half(rng), _random_half(rng)), _random_color(rng))
+        for i in range(at_least("n", n, 0))
+    )
+
+
+def arch_blocks(rng: np.random.Generator, n: int = 3, *, first_id: int = 0) -> tuple[Block, ...]:
+    """Draw blocks of the arch task: all of size `ARCH_HALF_EXTENTS`, in random colours.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Consumed by three uniform numbers a block.
+    n : int
+        Number of blocks, 0 or more.
+    first_id : int
+        The blocks are numbered from here.
+    """
+    start = at_least("first_id", first_id, 0)
+    return tuple(Block(start + i, ARCH_HALF_EXTENTS, _random_color(rng)) for i in range(at_least("n", n, 0)))
+
+
+def _random_half(rng: np.random.Generator) -> float:
+    return rng.uniform(SMALLEST_HALF, LARGEST_HALF)
+
+
+def _random_color(rng: np.random.Generator) -> tuple[float, float, float]:
+    hue, saturation, brightness = rng.random(3).tolist()
+    red, green, blue = colorsys.hsv_to_rgb(hue, saturation, brightness)
+    return _quantised(red), _quantised(green), _quantised(blue)
+
+
+def _quantised(part: float) -> float:
+    return int(255 * part + 0.5) / 255

@@ -1,0 +1,107 @@
+"""How different two colours look: sRGB to CIE Lab, and the CIEDE2000 colour difference.
+
+References
+----------
+IEC 61966-2-1 (sRGB). Sharma, Wu, and Dalal (2005), "The CIEDE2000 color-difference formula: implementation
+notes, supplementary test data, and mathematical observations". Palmer (2015), section 7.4.2.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_XYZ_OF_RGB: Final = np.array(
+    [[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.072169], [0.019334, 0.119193, 0.950227]]
+)
+# Daylight D65 seen by the 2 degree observer.
+_WHITE: Final = np.array([0.95047, 1.0, 1.08883])
+_CHROMA_KNEE: Final = 25.0**7
+
+_Floats = NDArray[np.float64]
+
+
+def srgb_to_lab(colors: ArrayLike) -> _Floats:
+    """Return the CIE Lab coordinates of sRGB colours under daylight (D65, 2 degree observer).
+
+    Parameters
+    ----------
+    colors : (..., 3) array
+        Red, green and blue from 0 to 1, with the transfer curve of sRGB, as pictures hold them.
+
+    Returns
+    -------
+    (..., 3) float64
+        L from 0 to 100, a and b about -128 to 128.
+    """
+    rgb = np.asarray(colors, dtype=np.float64)
+    linear = np.where(rgb > 0.04045, ((rgb + 0.055) / 1.055) ** 2.4, rgb / 12.92)
+    relative = linear @ _XYZ_OF_RGB.T / _WHITE
+    f = np.where(relative > (6 / 29) ** 3, np.cbrt(relative), relative * (29 / 6) ** 2 / 3 + 4 / 29)
+    x, y, z = f[..., 0], f[..., 1], f[..., 2]
+    return np.stack([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)], axis=-1)
+
+
+def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
+    """Return the CIEDE2000 difference of colours given as CIE Lab, with all weights 1.
+
+    Parameters
+    ----------
+    one, other : (..., 3) array
+        Lab coordinates; the leading dimensions are broadcast.
+
+    Returns
+    -------
+    (...) float64
+        At least 0; 1 is about what can just be seen. It is symmetric, but it is no metric.
+
+    References
+    ----------
+    Sharma, Wu, and Dalal (2005), eqs. 2 to 22; the names are theirs.
+    """
+    lab1, lab2 = np.asarray(one, dtype=np.float64), np.asarray(other, dtype=np.float64)
+    L1, L2 = lab1[..., 0], lab2[..., 0]
+    C1, C2, h1, h2 = _chroma_and_hue(lab1[..., 1:], lab2[..., 1:])
+    dh, mean_h = _hue_difference(h1, h2, C1 * C2 == 0.0), _mean_hue(h1, h2, C1 * C2 == 0.0)
+    mean_L, mean_C = (L1 + L2) / 2.0, (C1 + C2) / 2.0
+    T = (
+        1.0
+        - 0.17 * np.cos(mean_h - np.radians(30.0))
+        + 0.24 * np.cos(2.0 * mean_h)
+        + 0.32 * np.cos(3.0 * mean_h + np.radians(6.0))
+        - 0.20 * np.cos(4.0 * mean_h - np.radians(63.0))
+    )
+    S_L = 1.0 + 0.015 * (mean_L - 50.0) ** 2 / np.sqrt(20.0 + (mean_L - 50.0) ** 2)
+    lightness = (L2 - L1) / S_L
+    chroma = (C2 - C1) / (1.0 + 0.045 * mean_C)
+    hue = 2.0 * np.sqrt(C1 * C2) * np.sin(dh / 2.0) / (1.0 + 0.015 * mean_C * T)
+    turn = np.radians(60.0) * np.exp(-(((np.degrees(mean_h) - 275.0) / 25.0) ** 2))
+    rotation = -np.sin(turn) * 2.0 * np.sqrt(mean_C**7 / (mean_C**7 + _CHROMA_KNEE))
+    squared = lightness**2 + chroma**2 + hue**2 + rotation * chroma * hue
+    # Rounding may take the difference of equal colours below 0.
+    difference: _Floats = np.sqrt(np.maximum(squared, 0.0))
+    return difference
+
+
+def _chroma_and_hue(ab1: _Floats, ab2: _Floats) -> tuple[_Floats, _Floats, _Floats, _Floats]:
+    """Return the chromas C1', C2' and the hues h1', h2' in [0, 2 pi) after the correction near grey."""
+    mean_C = (np.hypot(ab1[..., 0], ab1[..., 1]) + np.hypot(ab2[..., 0], ab2[..., 1])) / 2.0
+    stretch = 1.5 - 0.5 * np.sqrt(mean_C**7 / (mean_C**7 + _CHROMA_KNEE))
+    a1, a2, b1, b2 = stretch * ab1[..., 0], stretch * ab2[..., 0], ab1[..., 1], ab2[..., 1]
+    h1, h2 = np.arctan2(b1, a1) % (2.0 * np.pi), np.arctan2(b2, a2) % (2.0 * np.pi)
+    return np.hypot(a1, b1), np.hypot(a2, b2), h1, h2
+
+
+def _hue_difference(h1: _Floats, h2: _Floats, is_grey: NDArray[np.bool_]) -> _Floats:
+    difference = h2 - h1
+    difference = difference - 2.0 * np.pi * (difference > np.pi) + 2.0 * np.pi * (difference < -np.pi)
+    return np.where(is_grey, 0.0, difference)
+
+
+def _mean_hue(h1: _Floats, h2: _Floats, is_grey: NDArray[np.bool_]) -> _Floats:
+    total = h1 + h2
+    is_split = np.abs(h1 - h2) > np.pi
+    turn = 2.0 * np.pi * np.where(total < 2.0 * np.pi, 1.0, -1.0)
+    return np.where(is_grey, total, (total + turn * is_split) / 2.0)

@@ -1,0 +1,355 @@
+"""The Gymnasium face of the tasks of the blocks world: wiring only."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping
+from typing import Any, SupportsIndex, final
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from relforest.smdp import ActionType, Decision
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, one_of
+from relforest.worlds.blocks.actions import flat_actions
+from relforest.worlds.blocks.command import Command, run_command
+from relforest.worlds.blocks.moment import Moment, moment, observation_space
+from relforest.worlds.blocks.options import Noise, OptionResult
+from relforest.worlds.blocks.overlap import OVERLAPS, Overlap
+from relforest.worlds.blocks.scene import SCHEMA, locations
+from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
+from relforest.worlds.blocks.state import BlocksState, state_of
+from relforest.worlds.blocks.tasks import (
+    ARCH_SIZE,
+    DISCOUNT,
+    DONE,
+    MAX_ACTIONS,
+    MOVE,
+    SIDES,
+    Task,
+    arch,
+    color_grouping,
+    high_towers,
+)
+from relforest.worlds.blocks.viewer import BlocksViewer
+
+_Arrays = dict[str, NDArray[Any]]
+_Info = dict[str, Any]
+_NOISE = Noise()
+_NOTHING = OptionResult(0.0, 0, 0, grasped=False)
+
+
+@final
+class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
+    """Blocks are dropped on a table; a robot lifts, turns and drops them, one option per step.
+
+    An episode begins with the blocks at rest and is truncated after ``max_actions`` actions. It terminates
+    with the action ``done``, in tasks that have it, and when no block is left on the table to act on. A block
+    that falls off the table is gone for the rest of the episode.
+
+    Observation: one slot per block, in the order in which they were dropped, then one per target that moves
+    may have, each with ``location`` (2,) in world units, ``extent`` (2,) half sizes, ``orientation`` (1,) in
+    radians, ``color`` (3,) and ``mask``; see `relforest.worlds.blocks.scene`. Targets have a location only:
+    what is undefined about them is 0 here and NaN in scenes.
+
+    Actions: see `relforest.worlds.blocks.actions`. An action that is unavailable does nothing, in no time,
+    and counts as an action. `perform` takes actions by name, with ids and any target.
+
+    Time is in simulated seconds, and so is ``info["duration"]``. The reward of an action is what its last
+    primitive step of 0.01 s earns. ``info["discounted_reward"]`` discounts it as Palmer (2015), section 2.1
+    does, r = sum of gamma^i r_i over the steps i = 0 to D - 1 of an option: from the beginning of that last
+    step, gamma**(duration - 0.01).
+
+    Besides what `relforest.smdp` asks for, ``info`` holds
+
+    - the score of the present state: ``mean_height``, ``grouping_score``, or ``arch_score``, which tells how
+      good the arch is though only ``done`` is paid for it;
+    - ``option``, after a step: how the option went, an `OptionResult`.
+
+    Parameters
+    ----------
+    task : Task
+        What can be done, and what it is worth.
+    render_mode : {"rgb_array"}, optional
+        Whether `render` returns pictures.
+    n_blocks : int
+        Blocks of an episode, at least 1.
+    max_actions : int
+        Actions per episode, at least 1.
+    noise : Noise
+        The errors of the robot.
+    overlap : {"original", "interval"}
+        How the robot tells which blocks are below, see `relforest.worlds.blocks.overlap`.
+
+    Raises
+    ------
+    InputError
+        If an option lies outside its range, an action does not exist, or a reset is given options.
+    gymnasium.error.ResetNeeded
+        On any use before the first `reset`, and on a step after the end of an episode.
+
+    References
+    ----------
+    Palmer (2015), section 7.4.
+
+    Examples
+    --------
+    >>> env = gymnasium.make("relforest/HighTowers-v0")
+    >>> observation, info = env.reset(seed=0)
+    >>> action = env.action_space.sample(info["action_mask"])
+    >>> observation, reward, terminated, truncated, info = env.step(action)
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 2}  # noqa: RUF012 - Gymnasium's type
+    schema = SCHEMA
+    discount = DISCOUNT
+
+    def __init__(
+        self,
+        task: Task,
+        render_mode: str | None = None,
+        *,
+        n_blocks: int,
+        max_actions: int = MAX_ACTIONS,
+        noise: Noise = _NOISE,
+        overlap: Overlap = "original",
+    ) -> None:
+        self.task = task
+        self.n_blocks = at_least("n_blocks", n_blocks, 1)
+        self.max_actions = at_least("max_actions", max_actions, 1)
+        if not isinstance(noise, Noise):
+            raise InputError(f"noise must be a Noise, such as Noise.none(), got {noise!r}")
+        one_of("overlap", overlap, OVERLAPS)
+        if render_mode is not None:
+            one_of("render_mode", render_mode, self.metadata["render_modes"])
+        self.render_mode, self._noise, self._overlap = render_mode, noise, overlap
+        n_targets = 0 if task.sampler is None else task.sampler.size(self.n_blocks)
+        self._actions = flat_actions(task.action_types, self.n_blocks, n_targets)
+        self.observation_space = observation_space(self.n_blocks + n_targets)
+        self.action_space = spaces.Discrete(len(self._actions))
+        self._simulation: BlocksSimulation | None = None
+        self._moment: Moment | None = None
+        self._slots = np.empty(0, dtype=np.int64)
+        self._taken = 0
+        self._viewer: BlocksViewer | None = None
+
+    @property
+    def action_types(self) -> tuple[ActionType, ...]:
+        """The action types of the task."""
+        return self.task.action_types
+
+    @property
+    def simulation(self) -> BlocksSimulation:
+        """The blocks themselves; to look at, for they are changed by actions only."""
+        if self._simulation is None:
+            raise ResetNeeded("there are no blocks yet: call reset() first")
+        return self._simulation
+
+    @property
+    def moment(self) -> Moment:
+        """What an agent is shown at present."""
+        if self._moment is None:
+            raise ResetNeeded("there are no blocks yet: call reset() first")
+        return self._moment
+
+    @property
+    def state(self) -> BlocksState:
+        """The blocks at present."""
+        return self.moment.state
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[_Arrays, _Info]:
+        """Drop new blocks and wait until they rest; without a seed, ids count on from the last episode."""
+        super().reset(seed=seed)
+        if options:
+            raise InputError(f"the blocks world has no reset options, got {dict(options)!r}")
+        if self._simulation is None or seed is not None:
+            self._simulation = BlocksSimulation(self.np_random)
+        blocks = self.task.blocks(self.np_random, self.n_blocks, self._simulation.next_id)
+        self._simulation.drop(blocks, turned=self.task.turned)
+        self._slots, self._taken = np.array([block.id for block in blocks]), 0
+        self._look()
+        return self.moment.observation(), self._info()
+
+    def step(self, action: SupportsIndex) -> tuple[_Arrays, float, bool, bool, _Info]:
+        """Take an action of the flat space; one that is unavailable does nothing and counts."""
+        index = self._checked(action)
+        self._check_running()
+        position = np.flatnonzero(self.moment.decision.indices == index)
+        if not len(position):
+            return self._stepped("", _NOTHING)
+        command = self.command(int(position[0]))
+        return self.perform(command.name, *command.arguments)
+
+    def perform(self, name: str, *arguments: float) -> tuple[_Arrays, float, bool, bool, _Info]:
+        """Take an action by name, like `step`: ``perform("move", 17, -3.5)`` moves block 17 to x = -3.5.
+
+        Parameters
+        ----------
+        name : str
+            One of the task's action types.
+        *arguments
+            Ids of blocks, and x in world units for the target of a move, whether or not it is on offer.
+        """
+        self._check_running()
+        one_of("action", name, [action_type.name for action_type in self.task.action_types])
+        command = Command(name, arguments)
+        return self._stepped(
+            name, run_command(self.simulation, command, noise=self._noise, overlap=self._overlap)
+        )
+
+    def command(self, position: int) -> Command:
+        """Return what an available action does, with ids and the target as `perform` takes them.
+
+        Parameters
+        ----------
+        position : int
+            Position in the present `decision`.
+        """
+        decision = self.moment.decision
+        action = decision.action(position)
+        name = self.task.action_types[action.type].name
+        ids = self.state.ids
+        if name != MOVE.name:
+            return Command(name, tuple(int(ids[row]) for row in action.arguments))
+        block, target = action.arguments
+        return Command(name, (int(ids[block]), float(locations(decision.objects)[target, 0])))
+
+    def decision(self) -> Decision:
+        """Return the objects and the available ground actions of the present state."""
+        return self.moment.decision
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which actions are available, (n_actions,), as learners that mask actions ask for it."""
+        return np.isin(np.arange(len(self._actions)), self.moment.decision.indices)
+
+    def render(self) -> NDArray[np.uint8]:
+        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
+        if self.render_mode is None:
+            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
+        if self._viewer is None:
+            self._viewer = BlocksViewer()
+        state = self.state
+        return self._viewer.draw(
+            state.half_extents,
+            state.poses,
+            state.colors,
+            ids=state.ids.tolist(),
+            time=self.simulation.time,
+            score=f"{self.task.score_name.replace('_', ' ')} {self.moment.score:.2f}",
+        )
+
+    def _checked(self, action: SupportsIndex) -> int:
+        try:
+            return range(len(self._actions)).index(operator.index(action))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"action must be an integer from 0 to {len(self._actions) - 1}, got {action!r}"
+            ) from None
+
+    def _check_running(self) -> None:
+        if not len(self.moment.decision) or self._taken >= self.max_actions:
+            raise ResetNeeded(f"the episode ended after {self._taken} actions: call reset() first")
+
+    def _look(self, *, ended: bool = False) -> None:
+        sim = self.simulation
+        state = state_of(sim.blocks, sim.poses, sim.contacts)
+        self._moment = moment(state, self.task, self._actions, self._slots, ended=ended)
+
+    def _info(self) -> _Info:
+        return self.moment.info(len(self._actions)) | {self.task.score_name: self.moment.score}
+
+    def _stepped(self, name: str, result: OptionResult) -> tuple[_Arrays, float, bool, bool, _Info]:
+        before = self.moment.score
+        self._taken += 1
+        self._look(ended=name == DONE.name)
+        reward = self.task.reward(name, before, self.moment.score)
+        terminated = not len(self.moment.decision)
+        info = self._info()
+        info["duration"], info["option"] = result.duration, result
+        info["discounted_reward"] = reward * DISCOUNT ** (max(result.steps - 1, 0) / STEPS_PER_SECOND)
+        truncated = not terminated and self._taken >= self.max_actions
+        return self.moment.observation(), reward, terminated, truncated, info
+
+
+def high_towers_env(
+    render_mode: str | None = None,
+    *,
+    sides: tuple[float, float] = SIDES,
+    n_blocks: int = 5,
+    max_actions: int = MAX_ACTIONS,
+    noise: Noise = _NOISE,
+    overlap: Overlap = "original",
+) -> BlocksEnv:
+    """Return the task of building high: each action is paid the change of the mean height of the blocks.
+
+    Parameters
+    ----------
+    sides : pair of float
+        Least and greatest side of a block, above 0 and at most 10.
+    render_mode, n_blocks, max_actions, noise, overlap
+        As for `BlocksEnv`.
+    """
+    task = high_towers(sides)
+    return BlocksEnv(
+        task, render_mode, n_blocks=n_blocks, max_actions=max_actions, noise=noise, overlap=overlap
+    )
+
+
+def color_grouping_env(
+    render_mode: str | None = None,
+    *,
+    distance: str = "ciede2000",
+    sides: tuple[float, float] = SIDES,
+    n_blocks: int = 5,
+    max_actions: int = MAX_ACTIONS,
+    noise: Noise = _NOISE,
+    overlap: Overlap = "original",
+) -> BlocksEnv:
+    """Return the task of stacking blocks of similar colours: each action is paid the change of the score.
+
+    Parameters
+    ----------
+    distance : {"ciede2000", "rgb"}
+        How colours are compared.
+    sides : pair of float
+        Least and greatest side of a block, above 0 and at most 10.
+    render_mode, n_blocks, max_actions, noise, overlap
+        As for `BlocksEnv`.
+    """
+    task = color_grouping(distance, sides)
+    return BlocksEnv(
+        task, render_mode, n_blocks=n_blocks, max_actions=max_actions, noise=noise, overlap=overlap
+    )
+
+
+def arch_env(
+    render_mode: str | None = None,
+    *,
+    sampler: str = "test",
+    size: tuple[float, float] = ARCH_SIZE,
+    n_blocks: int = 3,
+    max_actions: int = MAX_ACTIONS,
+    noise: Noise = _NOISE,
+    overlap: Overlap = "original",
+) -> BlocksEnv:
+    """Return the task of building an arch: only ``done`` is paid, with the area under the arch.
+
+    Parameters
+    ----------
+    sampler : {"test", "training", "expert"}
+        Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
+    size : pair of float
+        Width and height of all blocks, above 0 and at most 10.
+    render_mode, n_blocks, max_actions, noise, overlap
+        As for `BlocksEnv`.
+    """
+    task = arch(sampler, size)
+    return BlocksEnv(
+        task, render_mode, n_blocks=n_blocks, max_actions=max_actions, noise=noise, overlap=overlap
+    )

@@ -1,0 +1,226 @@
+"""The robot's options: put, rotate, isolate, move and done, each run from its beginning to its end.
+
+Palmer (2015), sections 7.4.1 to 7.4.3 describes them; the numbers are those of the author's simulator. An
+option always ends, after 5 stages of 5 s at the latest, and blocks that fell off the table are gone; `arm`
+tells what the stages do when something goes wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from relforest.support.errors import InputError
+from relforest.support.options import in_range
+from relforest.worlds.blocks.arm import Arm, OptionResult
+from relforest.worlds.blocks.noise import Noise
+from relforest.worlds.blocks.overlap import Overlap, overlapping, widest_gap
+from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
+
+__all__ = ["Noise", "OptionResult", "done", "isolate", "move", "put", "rotate"]
+
+GAP_BUFFER: Final = 2.0
+"""Room on both sides of a block that is isolated between others."""
+
+SIDE_BUFFER: Final = 4.0
+"""Room towards the others for a block that is isolated beyond all of them."""
+
+WAIT_MEAN: Final = 1.0
+WAIT_DEVIATION: Final = 0.2
+SHORTEST_WAIT: Final = 0.5
+"""Options without physical effect take a Gaussian time in seconds, drawn again if shorter than this."""
+
+_DEFAULT_NOISE = Noise()
+
+
+def put(
+    sim: BlocksSimulation,
+    a: int,
+    b: int,
+    *,
+    noise: Noise = _DEFAULT_NOISE,
+    overlap: Overlap = "original",
+) -> OptionResult:
+    """Lift block a, carry it above block b, lower it and let it go.
+
+    Blocks that lie on a are carried along or thrown off, and a comes down on whatever lies on b. If b falls
+    off the table meanwhile, a is lowered where it is.
+
+    Parameters
+    ----------
+    sim : BlocksSimulation
+        Changed in place.
+    a, b : int
+        Ids of two blocks.
+    noise : Noise
+        The errors of the robot.
+    overlap : {"original", "interval"}
+        How the blocks below are found (`overlap.overlapping`).
+
+    Raises
+    ------
+    InputError
+        If a block is not on the table, or both are the same.
+    """
+    sim.index(b)
+    if a == b:
+        raise InputError(f"a block cannot be put on itself, got {a!r} twice; name two blocks")
+    arm = Arm(sim, a, noise, overlap)
+
+    def above_b() -> float:
+        return sim.pose(b)[0] if b in sim else arm.x
+
+    arm.grasp()
+    arm.lift()
+    arm.sideways(above_b)
+    arm.lower(above_b)
+    return arm.drop()
+
+
+def move(
+    sim: BlocksSimulation,
+    a: int,
+    x: float,
+    *,
+    noise: Noise = _DEFAULT_NOISE,
+    overlap: Overlap = "original",
+) -> OptionResult:
+    """Lift block a, carry it to x, lower it and let it go: `put` with a place instead of a block.
+
+    Parameters
+    ----------
+    sim : BlocksSimulation
+        Changed in place.
+    a : int
+        Id of a block.
+    x : float
+        Any finite number. Beyond the table, the block falls and is gone; farther than 200 from the middle,
+        the robot gives up and drops the block where it was lifted.
+    noise : Noise
+        The errors of the robot.
+    overlap : {"original", "interval"}
+        How the blocks below are found (`overlap.overlapping`).
+
+    Raises
+    ------
+    InputError
+        If the block is not on the table, or x is not a finite number.
+    """
+    target = in_range("x", x, -math.inf, math.inf, open_low=True, open_high=True)
+    arm = Arm(sim, a, noise, overlap)
+    arm.grasp()
+    arm.lift()
+    arm.sideways(lambda: target)
+    arm.lower(lambda: target)
+    return arm.drop()
+
+
+def rotate(
+    sim: BlocksSimulation,
+    a: int,
+    *,
+    noise: Noise = _DEFAULT_NOISE,
+    overlap: Overlap = "original",
+) -> OptionResult:
+    """Lift block a by one end, so that it swings by a right angle, lower it and let it go.
+
+    Which end depends on the angle of the block, not on its shape: upright blocks are laid down likewise.
+
+    Parameters
+    ----------
+    sim : BlocksSimulation
+        Changed in place.
+    a : int
+        Id of a block.
+    noise : Noise
+        The errors of the robot.
+    overlap : {"original", "interval"}
+        How the blocks below are found (`overlap.overlapping`).
+
+    Raises
+    ------
+    InputError
+        If the block is not on the table.
+    """
+    arm = Arm(sim, a, noise, overlap)
+    arm.grasp_to_turn()
+    arm.lift_to_turn()
+    arm.lower(lambda: arm.x)
+    return arm.drop()
+
+
+def isolate(
+    sim: BlocksSimulation,
+    a: int,
+    *,
+    noise: Noise = _DEFAULT_NOISE,
+    overlap: Overlap = "original",
+) -> OptionResult:
+    """Carry block a to where no other block is above or below it; if that is so already, only wait.
+
+    It goes to the middle of the widest gap between the others if that leaves 2 units on both sides, and
+    otherwise beyond all of them, on the side whose last block reaches less far from the middle of the table.
+
+    Parameters
+    ----------
+    sim : BlocksSimulation
+        Changed in place.
+    a : int
+        Id of a block.
+    noise : Noise
+        The errors of the robot.
+    overlap : {"original", "interval"}
+        How the other blocks are found (`overlap.overlapping`).
+
+    Raises
+    ------
+    InputError
+        If the block is not on the table.
+    """
+    arm = Arm(sim, a, noise, overlap)
+    if not overlapping(sim.bounds.tolist(), sim.index(a), overlap=overlap):
+        return arm.wait(_waiting_steps(sim.rng))
+    arm.grasp()
+    arm.lift()
+    arm.sideways(lambda: _free_place(sim, a))
+    arm.lower(lambda: arm.x)
+    return arm.drop()
+
+
+def done(sim: BlocksSimulation) -> OptionResult:
+    """Wait for about a second, as the author's simulator does when the robot says that it is done.
+
+    Parameters
+    ----------
+    sim : BlocksSimulation
+        Time passes; nothing else is done. What ``done`` means is the task's affair.
+    """
+    start = sim.steps
+    sim.step(_waiting_steps(sim.rng) + 1)
+    steps = sim.steps - start
+    return OptionResult(steps / STEPS_PER_SECOND, steps, 0, grasped=False)
+
+
+def _waiting_steps(rng: np.random.Generator) -> int:
+    seconds = 0.0
+    while seconds < SHORTEST_WAIT:
+        seconds = rng.normal(WAIT_MEAN, WAIT_DEVIATION)
+    return math.ceil(seconds * STEPS_PER_SECOND)
+
+
+def _free_place(sim: BlocksSimulation, a: int) -> float:
+    """Return where block a can be set down with nothing above or below it."""
+    others: list[tuple[float, float]] = [(left, right) for left, right, _, _ in sim.bounds.tolist()]
+    own_left, own_right = others.pop(sim.index(a))
+    if not others:
+        return sim.pose(a)[0]
+    width = own_right - own_left
+    begin, end = widest_gap(others)
+    if end - begin >= width + 2 * GAP_BUFFER:
+        return (begin + end) / 2
+    left, right = min(left for left, _ in others), max(right for _, right in others)
+    if abs(left) < abs(right):
+        return left - SIDE_BUFFER - width / 2
+    return right + SIDE_BUFFER + width / 2

@@ -1,0 +1,110 @@
+"""One-step outcome tasks: a scene is set up, physics runs its course, and the result is the scene's label.
+
+A *trial* is one such scene with its label; trials in which the outcome is undecided are drawn again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.scenes import Scenes, Schema
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.worlds.blocks.blocks import arch_blocks
+from relforest.worlds.blocks.scene import SCHEMA
+
+_MOST_TRIALS: Final = 100
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """One scene and what became of it.
+
+    Attributes
+    ----------
+    objects : (n, width) float64
+        The blocks in the columns of the schema of the blocks world, before physics runs.
+    arguments : tuple of int
+        Positions of the blocks that the arguments of the task name.
+    outcome : bool or None
+        The label; None if the outcome is undecided.
+    """
+
+    objects: NDArray[np.float64]
+    arguments: tuple[int, ...]
+    outcome: bool | None
+
+
+def checked_range(name: str, limits: tuple[int, int], least: int) -> tuple[int, int]:
+    """Return the smallest and the largest number of something, both included.
+
+    Raises
+    ------
+    InputError
+        If these are no two integers, or not ``least <= smallest <= largest``.
+    """
+    if not isinstance(limits, tuple) or len(limits) != 2:
+        raise InputError(f"{name} must be a pair (smallest, largest), got {limits!r}")
+    smallest = at_least(f"the smallest of {name}", limits[0], least)
+    return smallest, at_least(f"the largest of {name}", limits[1], smallest)
+
+
+def random_colors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    """Return (n, 3): colours drawn as those of all blocks are."""
+    return np.array([block.color for block in arch_blocks(rng, n)])
+
+
+def decided_scenes(
+    rng: np.random.Generator,
+    n: int,
+    draw: Callable[[np.random.Generator], Trial],
+    parameters: tuple[str, ...] = (),
+) -> tuple[Scenes, NDArray[np.bool_]]:
+    """Draw trials until ``n`` are decided.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    n : int
+        Number of scenes, at least 1.
+    draw : callable
+        Makes one trial.
+    parameters : tuple of str
+        Names of the arguments of the task.
+
+    Returns
+    -------
+    scenes : Scenes
+    labels : (n,) bool
+
+    Raises
+    ------
+    InputError
+        If ``n`` is no positive integer, or hardly any trial is decided.
+    """
+    n = at_least("n", n, 1)
+    trials: list[Trial] = []
+    labels: list[bool] = []
+    for _ in range(_MOST_TRIALS * n):
+        trial = draw(rng)
+        if trial.outcome is not None:
+            trials.append(trial)
+            labels.append(trial.outcome)
+        if len(trials) == n:
+            return _batch(trials, parameters), np.array(labels)
+    raise InputError(f"only {len(trials)} of {_MOST_TRIALS * n} scenes were decided: choose other numbers")
+
+
+def _batch(trials: list[Trial], parameters: tuple[str, ...]) -> Scenes:
+    counts = np.array([len(trial.objects) for trial in trials])
+    starts = np.cumsum(counts) - counts
+    bound = np.array([trial.arguments for trial in trials], dtype=np.int64).reshape(len(trials), -1)
+    schema = Schema(SCHEMA.attributes, parameters)
+    matrix = np.concatenate([trial.objects for trial in trials])
+    return Scenes(schema, matrix, np.arange(len(matrix)), starts, counts, starts[:, np.newaxis] + bound)

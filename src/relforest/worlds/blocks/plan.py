@@ -1,0 +1,103 @@
+"""What an expert would do next to build an arch.
+
+References
+----------
+Palmer (2015), section 7.4.3 (the exploration policy).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.worlds.blocks.state import ON_TABLE, BlocksState, is_upright
+
+BUFFER: Final = 1.0
+"""How far the top is meant to lie on each support, world units."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ArchPlan:
+    """Who is what in the arch to come, and what is to be done.
+
+    Parameters
+    ----------
+    top : int
+        Position of the block that is to lie on the others.
+    lying : tuple of int
+        The supports that lie and should be rotated first, from left to right.
+    block : int
+        The block to move if no support is rotated.
+    x : float
+        Where to.
+    """
+
+    top: int
+    lying: tuple[int, ...]
+    block: int
+    x: float
+
+
+def arch_plan(state: BlocksState) -> ArchPlan | None:
+    """Return the next steps towards an arch; None with fewer than three blocks.
+
+    Notes
+    -----
+    The source describes the plan in a few sentences. How it is read here:
+
+    - The top is the leftmost lying block, or the leftmost block if all are upright. It is never rotated.
+    - The supports are two of the others, upright ones first, else from left to right.
+    - "At just the right distance apart, with a buffer zone of 1 unit on each side" means that the top is to
+      overlap each support by 1: the gap between them is the present width of the top less 2. The other
+      reading, a gap wider than the top, makes no arch.
+    - The supports stand well if both are on the table, their gap is within 1 of that, and nothing but the top
+      is in it; the top then goes to the middle of the gap. Otherwise one support moves beside the other: to
+      where no block is in its way if possible, then the shorter way.
+    """
+    if len(state) < 3:
+        return None
+    bounds, upright = state.bounds, is_upright(state.orientations)
+    from_left = np.argsort(state.poses[:, 0], kind="stable")
+    top = int(min(from_left, key=lambda block: bool(upright[block])))
+    others = sorted((int(block) for block in from_left if block != top), key=lambda block: not upright[block])
+    left, right = sorted(others[:2], key=lambda block: float(state.poses[block, 0]))
+    lying = tuple(block for block in (left, right) if not upright[block])
+    gap = float(bounds[top, 1] - bounds[top, 0]) - 2.0 * BUFFER
+    if _stand_well(bounds, gap, (top, left, right)):
+        return ArchPlan(top, lying, top, float(bounds[left, 1] + bounds[right, 0]) / 2.0)
+    return ArchPlan(top, lying, *_spacing_move(state.poses[:, 0], bounds, gap, (left, right)))
+
+
+def _stand_well(bounds: NDArray[np.float64], gap: float, blocks: tuple[int, int, int]) -> bool:
+    _, left, right = blocks
+    on_table = bounds[left, 2] <= ON_TABLE and bounds[right, 2] <= ON_TABLE
+    low, high = bounds[left, 1], bounds[right, 0]
+    return bool(on_table and abs(high - low - gap) <= BUFFER and _is_free(bounds, low, high, blocks))
+
+
+def _spacing_move(
+    x: NDArray[np.float64], bounds: NDArray[np.float64], gap: float, supports: tuple[int, int]
+) -> tuple[int, float]:
+    """Return the support to move, and where to, so that the other is a gap away from it."""
+    width = bounds[:, 1] - bounds[:, 0]
+    moves = []
+    for mover, anchor in (supports, supports[::-1]):
+        for side in (-1, 1):
+            target = float(x[anchor] + side * (gap + (width[mover] + width[anchor]) / 2.0))
+            ends = sorted((float(x[anchor]), target + side * float(width[mover]) / 2.0))
+            is_blocked = not _is_free(bounds, ends[0], ends[1], (mover, anchor))
+            is_propped = bool(bounds[anchor, 2] > ON_TABLE)
+            moves.append((is_propped, is_blocked, abs(target - float(x[mover])), mover, target))
+    *_, mover, target = min(moves)
+    return mover, target
+
+
+def _is_free(bounds: NDArray[np.float64], low: float, high: float, blocks: tuple[int, ...]) -> bool:
+    """Tell whether no block but the given ones reaches into an interval of x."""
+    reaches_in = (bounds[:, 0] < high) & (bounds[:, 1] > low)
+    reaches_in[list(blocks)] = False
+    return not reaches_in.any()

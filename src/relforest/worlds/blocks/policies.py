@@ -1,0 +1,149 @@
+"""Policies to compare with, by name: random ones, and those made by hand.
+
+All follow the protocol of the learners' policies: ``choose(decision, rng)`` returns a position in the
+decision. Those that need to know more than the objects of the decision hold the world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Protocol, final
+
+import numpy as np
+
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from relforest.support.options import one_of
+from relforest.worlds.blocks.arch_policies import CarefulPolicy, TrainerPolicy
+from relforest.worlds.blocks.color_policy import ColorPolicy
+from relforest.worlds.blocks.state import BlocksState
+from relforest.worlds.blocks.tasks import Task
+from relforest.worlds.blocks.tower_policy import TowerPolicy
+
+
+class BlocksWorld(Protocol):
+    """What policies are told of a world."""
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        ...
+
+    @property
+    def state(self) -> BlocksState:
+        """The blocks at present."""
+        ...
+
+
+class Policy(Protocol):
+    """Chooses actions, and says when it would rather do nothing."""
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        """Return the position of an action in `decision`, which offers at least one."""
+        ...
+
+    def is_finished(self, decision: Decision) -> bool:
+        """Tell whether there is nothing left to do, so that whoever plays may end the episode here.
+
+        These tasks have no action that does nothing. A policy that must act goes on with what changes least.
+        """
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RandomPolicy:
+    """Choose an action type with given probabilities, then uniformly among its ground actions.
+
+    Types without an available action are left out.
+
+    Parameters
+    ----------
+    weights : tuple of float
+        One per action type, above 0; they need not add up to 1.
+
+    Raises
+    ------
+    InputError
+        If a weight is not above 0.
+
+    References
+    ----------
+    Palmer (2015), section 7.4.1.
+    """
+
+    weights: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not all(weight > 0.0 for weight in self.weights):
+            raise InputError(f"weights of action types must be above 0, got {self.weights}")
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        """Return a random position; consumes one number and one integer from `rng`."""
+        types = np.unique(decision.types)
+        weights = np.array(self.weights)[types]
+        chosen = rng.choice(types, p=weights / weights.sum())
+        return int(rng.choice(np.flatnonzero(decision.types == chosen)))
+
+    def is_finished(self, decision: Decision) -> bool:  # noqa: ARG002 - the protocol's
+        """Return False."""
+        return False
+
+
+def _random(world: BlocksWorld) -> Policy:
+    return RandomPolicy(world.task.exploration)
+
+
+def _large_first(world: BlocksWorld) -> Policy:  # noqa: ARG001 - one signature for all
+    return TowerPolicy("large")
+
+
+def _small_first(world: BlocksWorld) -> Policy:  # noqa: ARG001 - one signature for all
+    return TowerPolicy("small")
+
+
+def _grouping(world: BlocksWorld) -> Policy:  # noqa: ARG001 - one signature for all
+    return ColorPolicy()
+
+
+def _trainer(world: BlocksWorld) -> Policy:
+    return TrainerPolicy(world, RandomPolicy(world.task.exploration))
+
+
+POLICIES: Final[Mapping[str, Mapping[str, Callable[[BlocksWorld], Policy]]]] = MappingProxyType(
+    {
+        "high-towers": MappingProxyType(
+            {"random": _random, "large-first": _large_first, "small-first": _small_first}
+        ),
+        "color-grouping": MappingProxyType({"random": _random, "manual": _grouping}),
+        "arch": MappingProxyType({"random": _random, "careful": CarefulPolicy, "trainer": _trainer}),
+    }
+)
+"""Name of a task -> name of a policy -> what makes it for a world."""
+
+
+def make_policy(name: str, world: BlocksWorld) -> Policy:
+    """Return a policy for a world of blocks.
+
+    Parameters
+    ----------
+    name : str
+        ``"random"``, or ``"large-first"`` and ``"small-first"`` for high towers, ``"manual"`` for colour
+        grouping, ``"careful"`` and ``"trainer"`` for the arch.
+    world : BlocksWorld
+        The ``unwrapped`` environment that the policy will act in.
+
+    Raises
+    ------
+    InputError
+        If the task has no policy of that name; the message lists those that it has.
+
+    Examples
+    --------
+    >>> env = gymnasium.make("relforest/Arch-v0", sampler="expert")
+    >>> policy = make_policy("careful", env.unwrapped)
+    """
+    choices = POLICIES[world.task.name]
+    return choices[one_of(f"policy for {world.task.name}", name, tuple(choices))](world)

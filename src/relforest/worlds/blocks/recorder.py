@@ -1,0 +1,159 @@
+"""Playing episodes and recording all that can be seen: every move of the blocks, and what options changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from gymnasium.utils import seeding
+from numpy.typing import NDArray
+
+from relforest.support.options import at_least
+from relforest.support.rng import RandomState, generator, seed_sequence, stream
+from relforest.worlds.blocks.arch import find_arch
+from relforest.worlds.blocks.command import Command
+from relforest.worlds.blocks.env import BlocksEnv
+from relforest.worlds.blocks.policies import Policy
+from relforest.worlds.blocks.recording import NOBODY, Mark, OptionRecord, Recording
+from relforest.worlds.blocks.simulation import BlocksSimulation, Frame
+from relforest.worlds.blocks.stacks import stacks
+from relforest.worlds.blocks.state import BlocksState
+from relforest.worlds.blocks.tasks import MOVE, Task
+
+
+def record_episodes(
+    env: BlocksEnv, policy: Policy, episodes: int = 1, seed: RandomState = 0
+) -> tuple[Recording, ...]:
+    """Play a blocks task and record everything.
+
+    Parameters
+    ----------
+    env : BlocksEnv
+    policy : Policy
+        For policies by name see `relforest.worlds.blocks.policies.make_policy`. An episode is over, too, when
+        the policy has nothing left to do.
+    episodes : int
+        How many.
+    seed : int, numpy.random.SeedSequence or Generator
+        The same seed gives the same episodes. Each has streams of its own, one for the world and one for the
+        policy, as in `relforest.rl.rollout`.
+
+    Returns
+    -------
+    tuple of Recording
+
+    Raises
+    ------
+    InputError
+        If ``episodes`` is not at least 1.
+    """
+    root = seed_sequence(seed)
+    return tuple(
+        _record(
+            env,
+            policy,
+            int(stream(root, episode, 0).generate_state(1)[0]),
+            generator(stream(root, episode, 1)),
+        )
+        for episode in range(at_least("episodes", episodes, 1))
+    )
+
+
+def marks_of(state: BlocksState, task: Task) -> tuple[Mark, ...]:
+    """Return what the score of a task sees in a state: stacks of two or more blocks, or the best arch."""
+    if task.name == "color-grouping":
+        return tuple(_stack_marks(state, task))
+    arch = find_arch(state) if task.name == "arch" else None
+    if arch is None:
+        return ()
+    return (Mark(arch.low_x, arch.high_x, arch.low_y, arch.high_y, arch.score),)
+
+
+def _record(env: BlocksEnv, policy: Policy, seed: int, rng: np.random.Generator) -> Recording:
+    env.reset(seed=seed)
+    simulation, start = env.simulation, env.state
+    frames = _drop(env, seed)
+    simulation.frames = frames
+    marks = [marks_of(start, env.task)]
+    options: list[OptionRecord] = []
+    first_score = env.moment.score
+    over = not len(env.decision())
+    while not over and not policy.is_finished(env.decision()):
+        position = policy.choose(env.decision(), rng)
+        command, begin = env.command(position), simulation.time
+        _, reward, terminated, truncated, _ = env.step(env.decision().indices[position])
+        options.append(_option(command, begin, simulation.time, float(reward), env.moment.score))
+        marks.append(marks_of(env.state, env.task))
+        over = terminated or truncated
+    simulation.frames = None
+    held = simulation.held
+    frames.append(Frame(simulation.time, simulation.poses, tuple(env.state.ids.tolist()), held))
+    return Recording(
+        task=env.task.name,
+        ids=start.ids,
+        half_extents=start.half_extents,
+        colors=start.colors,
+        times=np.array([frame.time for frame in frames]),
+        poses=_poses(frames, start.ids),
+        held=np.array([NOBODY if frame.held is None else frame.held for frame in frames], dtype=np.int64),
+        options=tuple(options),
+        first_score=first_score,
+        marks=tuple(marks),
+    )
+
+
+def _drop(env: BlocksEnv, seed: int) -> list[Frame]:
+    """Return how the blocks fell when the environment was reset with a seed.
+
+    By the time that one can ask an environment for its blocks they have come to rest, so they are dropped
+    once more, from the same random numbers.
+    """
+    rng, _ = seeding.np_random(seed)
+    simulation = BlocksSimulation(rng)
+    frames: list[Frame] = []
+    simulation.frames = frames
+    simulation.drop(env.task.blocks(rng, env.n_blocks, simulation.next_id), turned=env.task.turned)
+    return frames
+
+
+def _option(command: Command, begin: float, end: float, reward: float, score: float) -> OptionRecord:
+    moves = command.name == MOVE.name
+    blocks = command.arguments[:1] if moves else command.arguments
+    return OptionRecord(
+        name=command.name,
+        blocks=tuple(int(block) for block in blocks),
+        target=float(command.arguments[1]) if moves else None,
+        begin=begin,
+        end=end,
+        reward=reward,
+        score=score,
+    )
+
+
+def _poses(frames: Sequence[Frame], ids: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return where each of some blocks was, (t, n, 3); NaN where it was gone."""
+    columns = {block: column for column, block in enumerate(ids.tolist())}
+    poses = np.full((len(frames), len(ids), 3), np.nan)
+    for row, frame in zip(poses, frames, strict=True):
+        row[[columns[block] for block in frame.ids]] = frame.poses
+    return poses
+
+
+def _stack_marks(state: BlocksState, task: Task) -> list[Mark]:
+    bounds = state.bounds
+    groups = stacks(state.poses[:, 0], bounds) if len(state) else np.zeros(0, dtype=np.int64)
+    marks = []
+    for group in np.unique(groups):
+        members = groups == group
+        if members.sum() < 2:
+            continue
+        stack = BlocksState(
+            state.ids[members],
+            state.half_extents[members],
+            state.colors[members],
+            state.poses[members],
+            state.touching[np.ix_(members, members)],
+        )
+        left, right = float(bounds[members, 0].min()), float(bounds[members, 1].max())
+        marks.append(Mark(left, right, 0.0, 0.0, task.score(stack)))
+    return marks

@@ -1,0 +1,161 @@
+"""Where a block may be moved to: the continuous action space of the arch task, sampled.
+
+There are three samplers. ``"test"`` is what an agent under test considers: between each pair of other blocks,
+onto each other block, half the way towards it, and a tenth of the distance farther away from it.
+``"training"`` is for training experience and learning: between each pair, and on both sides of each other
+block, so that an arch may follow. ``"expert"`` is the training sampler with one more target, the next move of
+`plan`, which the hand-made arch policies need. A search for better targets continues with `nearby_targets`.
+
+References
+----------
+Palmer (2015), sections 6.5 and 7.4.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from types import MappingProxyType
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.options import one_of
+from relforest.worlds.blocks.plan import arch_plan
+from relforest.worlds.blocks.state import BlocksState
+
+CLOSER: Final = 0.5
+"""Share of the distance by which a block closes in on another."""
+
+FARTHER: Final = 0.1
+"""Share of the distance by which it moves away; that this is a share too is a reading of "0.1 farther"."""
+
+BESIDE: Final = 0.75
+"""Distance of centres beside another block, in sums of both horizontal sizes."""
+
+_SAME: Final = 1e-9
+
+_Floats = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Targets:
+    """Candidate moves, always as many for a given number of blocks.
+
+    Parameters
+    ----------
+    slots : (k,) int64
+        The block that moves, counted as at the start of the episode.
+    x : (k,) float64
+        Where to; NaN = this candidate does not exist now.
+    """
+
+    slots: NDArray[np.int64]
+    x: _Floats
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Sampler:
+    """A way to sample targets.
+
+    Parameters
+    ----------
+    size : callable
+        How many candidates there are for a number of blocks.
+    sample : callable
+        Targets of a state: it is given the state, the slot of each of its blocks, and the number of slots.
+    """
+
+    size: Callable[[int], int]
+    sample: Callable[[BlocksState, NDArray[np.int64], int], Targets]
+
+
+def nearby_targets(target: float, others: _Floats) -> _Floats:
+    """Return the targets that a beam search goes on with: steps towards and away from each other block.
+
+    Parameters
+    ----------
+    target : float
+        Where the search has moved the block to, world units.
+    others : (m,) float64
+        Midpoints of the other blocks.
+
+    Returns
+    -------
+    (2 m,) float64
+        Half the way towards each, then a tenth of the distance farther away from each.
+    """
+    return np.concatenate([target + CLOSER * (others - target), target - FARTHER * (others - target)])
+
+
+def _test_targets(x: _Floats, width: _Floats, mover: int) -> list[float]:  # noqa: ARG001 - one signature
+    others = _others(len(x), mover)
+    between = [(x[one] + x[other]) / 2.0 for one, other in combinations(others, 2)]
+    return [*between, *x[others], *nearby_targets(x[mover], x[others])]
+
+
+def _training_targets(x: _Floats, width: _Floats, mover: int) -> list[float]:
+    others = _others(len(x), mover)
+    between = [(x[one] + x[other]) / 2.0 for one, other in combinations(others, 2)]
+    beside = BESIDE * (width[mover] + width[others])
+    return [*between, *(x[others] - beside), *(x[others] + beside)]
+
+
+def _others(n: int, mover: int) -> list[int]:
+    return [slot for slot in range(n) if slot != mover]
+
+
+def _pairs(n: int) -> int:
+    return (n - 1) * (n - 2) // 2
+
+
+def _every_move(
+    state: BlocksState,
+    slots: NDArray[np.int64],
+    n_slots: int,
+    targets_of: Callable[[_Floats, _Floats, int], list[float]],
+) -> Targets:
+    """Return the targets of all blocks; those that depend on a block that is gone are NaN."""
+    x, width = np.full(n_slots, np.nan), np.full(n_slots, np.nan)
+    bounds = state.bounds
+    x[slots], width[slots] = state.poses[:, 0], bounds[:, 1] - bounds[:, 0]
+    targets = np.array([targets_of(x, width, mover) for mover in range(n_slots)]).reshape(n_slots, -1)
+    targets[np.isnan(x)] = np.nan
+    # Moving to where an earlier candidate of the same block goes already is no choice of its own.
+    close = np.abs(targets[:, :, np.newaxis] - targets[:, np.newaxis, :]) < _SAME
+    is_repeated = np.tril(close, k=-1).any(axis=2)
+    targets[is_repeated] = np.nan
+    return Targets(np.repeat(np.arange(n_slots), targets.shape[1]), targets.ravel())
+
+
+def _test(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Targets:
+    return _every_move(state, slots, n_slots, _test_targets)
+
+
+def _training(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Targets:
+    return _every_move(state, slots, n_slots, _training_targets)
+
+
+def _expert(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Targets:
+    sampled, plan = _training(state, slots, n_slots), arch_plan(state)
+    slot, x = (0, np.nan) if plan is None else (int(slots[plan.block]), plan.x)
+    return Targets(np.append(sampled.slots, slot), np.append(sampled.x, x))
+
+
+SAMPLERS: Final[Mapping[str, Sampler]] = MappingProxyType(
+    {
+        "test": Sampler(lambda n: n * (_pairs(n) + 3 * (n - 1)), _test),
+        "training": Sampler(lambda n: n * (_pairs(n) + 2 * (n - 1)), _training),
+        "expert": Sampler(lambda n: n * (_pairs(n) + 2 * (n - 1)) + 1, _expert),
+    }
+)
+"""Name -> sampler of targets."""
+
+
+def target_sampler(name: str) -> Sampler:
+    """Return the sampler of that name, or raise `InputError` with the names there are."""
+    return SAMPLERS[one_of("sampler", name, tuple(SAMPLERS))]

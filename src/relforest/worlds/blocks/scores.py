@@ -1,0 +1,133 @@
+"""What the tasks of shaping rewards measure: the mean height of blocks, and how well groups match in colour.
+
+References
+----------
+Palmer (2015), sections 7.4.1 and 7.4.2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.options import one_of
+from relforest.worlds.blocks.color import ciede2000, srgb_to_lab
+from relforest.worlds.blocks.stacks import stacks
+from relforest.worlds.blocks.state import BlocksState
+
+_Floats = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ColorDistance:
+    """A way to compare colours, with the thresholds of the score.
+
+    Parameters
+    ----------
+    coordinates : callable
+        Maps RGB colours (n, 3) to the space that means are taken in.
+    difference : callable
+        Distances (...) between points (..., 3) of that space.
+    middle : float
+        Distance that scores 0.
+    most : float
+        Distance that scores -1, as all beyond it do.
+    """
+
+    coordinates: Callable[[_Floats], _Floats]
+    difference: Callable[[_Floats, _Floats], _Floats]
+    middle: float
+    most: float
+
+
+def _identity(colors: _Floats) -> _Floats:
+    return colors
+
+
+def _euclidean(one: _Floats, other: _Floats) -> _Floats:
+    distance: _Floats = np.linalg.norm(one - other, axis=-1)
+    return distance
+
+
+COLOR_DISTANCES: Final[Mapping[str, ColorDistance]] = MappingProxyType(
+    {
+        "ciede2000": ColorDistance(srgb_to_lab, ciede2000, 30.0, 120.0),
+        # The source gives no upper threshold for RGB; this is the largest distance, black to white.
+        "rgb": ColorDistance(_identity, _euclidean, 0.5, math.sqrt(3.0)),
+    }
+)
+"""Name of a colour distance -> how it is computed and scored."""
+
+
+def color_distance(name: str) -> ColorDistance:
+    """Return the colour distance of that name, or raise `InputError` with the names there are."""
+    return COLOR_DISTANCES[one_of("distance", name, tuple(COLOR_DISTANCES))]
+
+
+def mean_height(state: BlocksState) -> float:
+    """Return the mean height of the centres of the blocks above the table; 0 if there are none.
+
+    A block that fell off the table no longer counts, which is a reading: the source does not mention it.
+    """
+    return float(state.poses[:, 1].mean()) if len(state) else 0.0
+
+
+def grouping_score(state: BlocksState, distance: ColorDistance) -> float:
+    """Return how well the blocks are grouped by colour: the sum of the scores of all stacks.
+
+    Parameters
+    ----------
+    state : BlocksState
+    distance : ColorDistance
+        One of `COLOR_DISTANCES`.
+
+    Returns
+    -------
+    float
+        From ``1 - n`` to ``n - 1`` for n blocks; 0 if all are isolated.
+    """
+    labels = stacks(state.poses[:, 0], state.bounds)
+    in_stacks = np.bincount(labels, minlength=len(state))[labels] > 1
+    if not in_stacks.any():
+        return 0.0
+    labels, points = labels[in_stacks], distance.coordinates(state.colors[in_stacks])
+    to_mean = distance.difference(points, _means(points, labels))
+    # All stacks at once, because a difference costs about as much for one colour as for ten.
+    order = np.lexsort((to_mean, labels))
+    is_first = np.append(True, labels[order][1:] != labels[order][:-1])
+    prototypes = order[is_first][np.cumsum(is_first) - 1]
+    scores = match_score(distance.difference(points[order], points[prototypes]), distance)
+    return float(scores[~is_first].sum())
+
+
+def _means(points: _Floats, labels: NDArray[np.int64]) -> _Floats:
+    """Return for each of points (m, 3) the mean of those with its label."""
+    same = labels[:, np.newaxis] == labels
+    means: _Floats = same @ points / same.sum(axis=1, keepdims=True)
+    return means
+
+
+def prototype(points: _Floats, difference: Callable[[_Floats, _Floats], _Floats]) -> int:
+    """Return which of points (m, 3) is nearest to their mean, the first if several are."""
+    return int(np.argmin(difference(points, points.mean(axis=0))))
+
+
+def match_score(distances: _Floats, distance: ColorDistance) -> _Floats:
+    """Return the scores of blocks at some distances (m,) from the prototype, from 1 (equal) to -1.
+
+    References
+    ----------
+    Palmer (2015), section 7.4.2 (score_linear, and its sine).
+    """
+    middle, most = distance.middle, distance.most
+    below, above = (middle - distances) / middle, (middle - distances) / (most - middle)
+    linear = np.where(distances <= middle, below, np.maximum(-1.0, above))
+    score: _Floats = np.sin(linear * (np.pi / 2.0))
+    return score

@@ -1,0 +1,315 @@
+"""Blocks on the table, from the drop that begins an episode on: which they are, where, and at what time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.worlds.blocks.blocks import Block
+from relforest.worlds.blocks.engine import TABLE_HALF_WIDTH, Engine
+from relforest.worlds.blocks.grasp import springs
+
+STEPS_PER_SECOND: Final = 100
+STEP_SECONDS: Final = 1 / STEPS_PER_SECOND
+"""Length of a step on the clock of the tasks."""
+
+MAX_STAGE_STEPS: Final = 500
+"""Every stage of an option, waiting for rest included, ends after as many steps."""
+
+DROP_X: Final = (-30.0, 30.0)
+DROP_Y: Final = (math.sqrt(50.0), 40.0)
+"""Where the centres of the blocks are when an episode begins."""
+
+FIRST_WAIT: Final = 10
+"""Steps after a drop before rest is tested."""
+
+
+class Frame(NamedTuple):
+    """One moment of an episode, for animations."""
+
+    time: float  # seconds since the drop
+    poses: NDArray[np.float64]  # (n, 3) x, y, angle
+    ids: tuple[int, ...]  # of the n blocks
+    held: int | None  # the block that is held
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """What there is at one moment; later steps do not change it.
+
+    Parameters
+    ----------
+    time : float
+        Seconds since the drop.
+    blocks : tuple of Block
+        Those present.
+    poses : (n, 3) float64
+        x, y and angle (radians, not wrapped) of each.
+    bounds : (n, 4) float64
+        Smallest and largest x, smallest and largest y of each.
+    contacts : frozenset of pairs of int
+        The ids of blocks that touch, the smaller first.
+    """
+
+    time: float
+    blocks: tuple[Block, ...]
+    poses: NDArray[np.float64]
+    bounds: NDArray[np.float64]
+    contacts: frozenset[tuple[int, int]]
+
+
+@final
+class BlocksSimulation:
+    """Blocks on a table.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Consumed by drops and by options; the attribute ``rng`` may be replaced between them.
+    table_half_width : float
+        The table reaches from minus to plus this x.
+
+    Attributes
+    ----------
+    frames : list of Frame or None
+        A list put here collects a frame every ``frame_every`` steps from then on. None, the default, costs
+        nothing.
+
+    Notes
+    -----
+    Blocks whose bounds are all lower than -5 fell off the table: they are removed for good, and the rest of
+    the world goes on without them. An episode depends on ``rng`` and on the calls since the last `drop` only.
+    """
+
+    def __init__(self, rng: np.random.Generator, *, table_half_width: float = TABLE_HALF_WIDTH) -> None:
+        self.rng = rng
+        self.frames: list[Frame] | None = None
+        self._frame_every = 4
+        self._table_half_width = table_half_width
+        self._engine = Engine(table_half_width=table_half_width)
+        self._dropped: tuple[Block, ...] = ()
+        self._keys: dict[int, int] = {}
+        self._next_id = 0
+        self._steps = 0
+
+    @property
+    def frame_every(self) -> int:
+        """Steps between two frames, at least 1; may be set."""
+        return self._frame_every
+
+    @frame_every.setter
+    def frame_every(self, steps: int) -> None:
+        self._frame_every = at_least("frame_every", steps, 1)
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The blocks that are there, in the order in which they were dropped."""
+        return tuple(self._dropped[key] for key in self._engine.keys)
+
+    @property
+    def next_id(self) -> int:
+        """The smallest id that no block has had yet."""
+        return self._next_id
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """(n, 3): x, y and angle (radians, not wrapped) of each of `blocks`."""
+        return self._engine.poses()
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """(n, 4): smallest and largest x, smallest and largest y of each of `blocks`, as rotated."""
+        return self._engine.bounds()
+
+    @property
+    def contacts(self) -> frozenset[tuple[int, int]]:
+        """The ids of blocks that touch each other, the smaller first."""
+        pairs = ((self._dropped[a].id, self._dropped[b].id) for a, b in self._engine.contacts())
+        return frozenset((min(a, b), max(a, b)) for a, b in pairs)
+
+    @property
+    def steps(self) -> int:
+        """Steps since the drop."""
+        return self._steps
+
+    @property
+    def time(self) -> float:
+        """Seconds since the drop, on the clock of the tasks."""
+        return self._steps / STEPS_PER_SECOND
+
+    @property
+    def held(self) -> int | None:
+        """The id of the block that is held, or None."""
+        key = self._engine.held
+        return None if key is None else self._dropped[key].id
+
+    def __contains__(self, block_id: int) -> bool:
+        return block_id in self._keys and self._keys[block_id] in self._engine.keys
+
+    def index(self, block_id: int) -> int:
+        """Return the position of a block in `blocks` and in the arrays.
+
+        Raises
+        ------
+        InputError
+            If there is no such block: it fell off the table, or never was there.
+        """
+        if block_id not in self:
+            present = [block.id for block in self.blocks]
+            raise InputError(f"there is no block {block_id!r}; those on the table are {present}")
+        return self._engine.keys.index(self._keys[block_id])
+
+    def pose(self, block_id: int) -> tuple[float, float, float]:
+        """Return x, y and angle of one block.
+
+        Raises
+        ------
+        InputError
+            If there is no such block.
+        """
+        self.index(block_id)
+        return self._engine.pose(self._keys[block_id])
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether all blocks are at rest, as `wait_for_rest` sees it."""
+        return self._engine.is_resting()
+
+    def snapshot(self) -> Snapshot:
+        """Return what there is now."""
+        return Snapshot(self.time, self.blocks, self.poses, self.bounds, self.contacts)
+
+    def drop(self, blocks: Sequence[Block], *, turned: bool = False) -> int:
+        """Begin an episode: clear the table, drop blocks at random places, and wait until they rest.
+
+        Parameters
+        ----------
+        blocks : sequence of Block
+            None of them may have the id of an earlier block. They may overlap where they begin: the physics
+            push them apart.
+        turned : bool
+            Draw their angles from all directions, as for the arch task, instead of beginning with 0.
+
+        Returns
+        -------
+        int
+            Steps until rest, 10 to 500.
+
+        Raises
+        ------
+        InputError
+            If an id has been used before.
+        """
+        self.place(blocks, [self._draw_pose(turned=turned) for _ in blocks])
+        self.step(FIRST_WAIT)
+        return FIRST_WAIT + self.wait_for_rest(MAX_STAGE_STEPS - FIRST_WAIT)
+
+    def place(self, blocks: Sequence[Block], poses: Sequence[tuple[float, float, float]]) -> None:
+        """Clear the table and put blocks where they are wanted, at rest; the time begins at 0.
+
+        Parameters
+        ----------
+        blocks : sequence of Block
+            None of them may have the id of an earlier block.
+        poses : sequence of tuple of float
+            x, y and angle of each; the top of the table is at y = 0.
+
+        Raises
+        ------
+        InputError
+            If an id has been used before, there is not one pose for each block, or a pose is not finite.
+        """
+        dropped = tuple(blocks)
+        ids = [block.id for block in dropped]
+        if len(set(ids)) < len(ids) or any(block_id < self._next_id for block_id in ids):
+            raise InputError(
+                f"every block needs an id of its own, not used before (next_id is {self._next_id}), got {ids}"
+            )
+        if len(poses) != len(dropped):
+            raise InputError(f"poses must have one row for each of {len(dropped)} blocks, got {len(poses)}")
+        engine = Engine(table_half_width=self._table_half_width)
+        keys = [
+            engine.add_box(block.half_extents, (pose[0], pose[1]), pose[2])
+            for block, pose in zip(dropped, poses, strict=True)
+        ]
+        self._engine, self._dropped = engine, dropped
+        self._keys = dict(zip(ids, keys, strict=True))
+        self._next_id = max([self._next_id - 1, *ids]) + 1
+        self._steps = 0
+
+    def step(self, n: int = 1) -> None:
+        """Let n steps pass."""
+
+        def pass_by(steps: int) -> tuple[int, bool]:
+            self._engine.step(steps)
+            return steps, False
+
+        self._pass(at_least("n", n, 0), pass_by)
+
+    def wait_for_rest(self, max_steps: int = MAX_STAGE_STEPS) -> int:
+        """Let steps pass until all blocks are at rest, or ``max_steps`` have passed; return how many did.
+
+        Blocks are at rest when they are slower than 0.005 units and 0.0314 rad per second of the physics,
+        which the author's simulator reports as 0.01 and 0.01.
+        """
+        return self._pass(at_least("max_steps", max_steps, 0), self._engine.settle)[0]
+
+    def grab(self, block_id: int, point: tuple[float, float]) -> None:
+        """Hold a block at a point of its own coordinates, letting go of any other.
+
+        Raises
+        ------
+        InputError
+            If there is no such block.
+        """
+        half_extents = self.blocks[self.index(block_id)].half_extents
+        self._engine.grab(self._keys[block_id], springs(point, half_extents))
+
+    def let_go(self) -> None:
+        """Release the block that is held, if there is one."""
+        self._engine.let_go()
+
+    def carry(self, goal: tuple[float, float], max_steps: int = MAX_STAGE_STEPS) -> tuple[int, bool]:
+        """Pull the block that is held until its centre rests at a goal.
+
+        Parameters
+        ----------
+        goal : tuple of float
+            x and y.
+        max_steps : int
+            Give up after as many.
+
+        Returns
+        -------
+        tuple of int and bool
+            The steps taken, and whether the end came in time: the block has arrived, or nothing is held.
+        """
+        return self._pass(at_least("max_steps", max_steps, 0), lambda steps: self._engine.carry(goal, steps))
+
+    def _draw_pose(self, *, turned: bool) -> tuple[float, float, float]:
+        x, y = self.rng.uniform(*DROP_X), self.rng.uniform(*DROP_Y)
+        return x, y, self.rng.uniform(-math.pi, math.pi) if turned else 0.0
+
+    def _pass(self, max_steps: int, advance: Callable[[int], tuple[int, bool]]) -> tuple[int, bool]:
+        """Advance by at most ``max_steps``, stopping for frames; ``advance`` says when it has ended."""
+        taken = 0
+        ended = False
+        while not ended and taken < max_steps:
+            steps = max_steps - taken
+            if self.frames is not None:
+                steps = min(steps, self._frame_every - self._steps % self._frame_every)
+            passed, ended = advance(steps)
+            taken += passed
+            self._steps += passed
+            if self.frames is not None and passed and self._steps % self._frame_every == 0:
+                ids = tuple(block.id for block in self.blocks)
+                self.frames.append(Frame(self.time, self.poses, ids, self.held))
+        return taken, ended

@@ -1,0 +1,230 @@
+"""The three tasks with several steps: what can be done, what is scored, and how it is paid.
+
+References
+----------
+Palmer (2015), sections 7.4.1 to 7.4.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Final, Literal, final
+
+import numpy as np
+
+from relforest.smdp import ActionType
+from relforest.support.errors import InputError
+from relforest.support.options import in_range
+from relforest.worlds.blocks.actions import TARGET
+from relforest.worlds.blocks.arch import arch_score
+from relforest.worlds.blocks.blocks import (
+    ARCH_HALF_EXTENTS,
+    LARGEST_HALF,
+    SMALLEST_HALF,
+    Block,
+    arch_blocks,
+    random_blocks,
+)
+from relforest.worlds.blocks.samplers import Sampler, target_sampler
+from relforest.worlds.blocks.scores import color_distance, grouping_score, mean_height
+from relforest.worlds.blocks.state import BlocksState
+
+MAX_ACTIONS: Final = 5
+"""Actions of an episode. The source gives 5 for high towers and arches; for colour grouping it mentions "the
+final action of the episode" only, which is read as 5 too."""
+
+DISCOUNT: Final = 0.99
+"""Discount factor per simulated second."""
+
+PUT: Final = ActionType("put", ("block", "destination"))
+ROTATE: Final = ActionType("rotate", ("block",))
+ISOLATE: Final = ActionType("isolate", ("block",))
+MOVE: Final = ActionType("move", ("block", TARGET))
+DONE: Final = ActionType("done")
+
+HIGH_TOWERS_ACTIONS: Final = (PUT, ROTATE)
+COLOR_GROUPING_ACTIONS: Final = (PUT, ISOLATE)
+ARCH_ACTIONS: Final = (ROTATE, MOVE, DONE)
+
+SIDES: Final = (2.0 * SMALLEST_HALF, 2.0 * LARGEST_HALF)
+"""Least and greatest side of random blocks. Larger ones would begin inside the table."""
+
+ARCH_SIZE: Final = (2.0 * ARCH_HALF_EXTENTS[0], 2.0 * ARCH_HALF_EXTENTS[1])
+"""Width and height of the blocks of the arch task."""
+
+BlockMaker = Callable[[np.random.Generator, int, int], tuple[Block, ...]]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A task, apart from how many blocks it has.
+
+    Parameters
+    ----------
+    name : str
+        Name on the command line.
+    action_types : tuple of ActionType
+    exploration : tuple of float
+        Probability of each action type under the random policy.
+    blocks : callable
+        Draws the blocks of an episode, given a generator, their number and the first id.
+    turned : bool
+        Whether blocks are dropped at random angles.
+    score_name : str
+        What the score is called in ``info``.
+    score : callable
+        How good a state is.
+    pays : {"change", "done"}
+        Whether every action is paid what it changed about the score (shaping), or only done, the score.
+    sampler : Sampler, optional
+        Samples targets for moves.
+    """
+
+    name: str
+    action_types: tuple[ActionType, ...]
+    exploration: tuple[float, ...]
+    blocks: BlockMaker
+    turned: bool
+    score_name: str
+    score: Callable[[BlocksState], float]
+    pays: Literal["change", "done"]
+    sampler: Sampler | None = None
+
+    def reward(self, action: str, before: float, after: float) -> float:
+        """Return what an action of that name earns, given the scores before and after it."""
+        if self.pays == "change":
+            return after - before
+        return after if action == DONE.name else 0.0
+
+
+def high_towers(sides: tuple[float, float] = SIDES) -> Task:
+    """Return the task of building high: the score is the mean height of the blocks.
+
+    Parameters
+    ----------
+    sides : pair of float
+        Least and greatest side of a block, above 0 and at most 10.
+
+    Raises
+    ------
+    InputError
+        If ``sides`` is no such pair.
+
+    References
+    ----------
+    Palmer (2015), section 7.4.1.
+    """
+    return Task(
+        name="high-towers",
+        action_types=HIGH_TOWERS_ACTIONS,
+        exploration=(0.75, 0.25),
+        blocks=_random_blocks(sides),
+        turned=False,
+        score_name="mean_height",
+        score=mean_height,
+        pays="change",
+    )
+
+
+def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SIDES) -> Task:
+    """Return the task of stacking blocks of similar colours.
+
+    Parameters
+    ----------
+    distance : {"ciede2000", "rgb"}
+        How colours are compared.
+    sides : pair of float
+        Least and greatest side of a block, above 0 and at most 10.
+
+    Raises
+    ------
+    InputError
+        If there is no such distance, or ``sides`` is no such pair.
+
+    References
+    ----------
+    Palmer (2015), section 7.4.2.
+    """
+    compared = color_distance(distance)
+    return Task(
+        name="color-grouping",
+        action_types=COLOR_GROUPING_ACTIONS,
+        exploration=(0.75, 0.25),
+        blocks=_random_blocks(sides),
+        turned=False,
+        score_name="grouping_score",
+        score=lambda state: grouping_score(state, compared),
+        pays="change",
+    )
+
+
+def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
+    """Return the task of building an arch, paid when it is declared done.
+
+    Parameters
+    ----------
+    sampler : {"test", "training", "expert"}
+        Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
+    size : pair of float
+        Width and height of all blocks, above 0 and at most 10.
+
+    Raises
+    ------
+    InputError
+        If there is no such sampler, or ``size`` is no such pair.
+
+    References
+    ----------
+    Palmer (2015), section 7.4.3.
+    """
+    return Task(
+        name="arch",
+        action_types=ARCH_ACTIONS,
+        exploration=(0.9 * 0.25, 0.9 * 0.75, 0.1),
+        blocks=_equal_blocks(size),
+        turned=True,
+        score_name="arch_score",
+        score=arch_score,
+        pays="done",
+        sampler=target_sampler(sampler),
+    )
+
+
+def _random_blocks(sides: tuple[float, float]) -> BlockMaker:
+    low, high = _lengths("sides", sides)
+    if low > high:
+        raise InputError(f"sides must be the least and the greatest side, got {sides!r}")
+    scale = (high - low) / (SIDES[1] - SIDES[0])
+
+    def make(rng: np.random.Generator, n: int, first_id: int) -> tuple[Block, ...]:
+        return tuple(
+            replace(block, half_extents=(resized(block.half_extents[0]), resized(block.half_extents[1])))
+            for block in random_blocks(rng, n, first_id=first_id)
+        )
+
+    def resized(half: float) -> float:
+        return low / 2.0 + (half - SMALLEST_HALF) * scale
+
+    return make
+
+
+def _equal_blocks(size: tuple[float, float]) -> BlockMaker:
+    width, height = _lengths("size", size)
+
+    def make(rng: np.random.Generator, n: int, first_id: int) -> tuple[Block, ...]:
+        return tuple(
+            replace(block, half_extents=(width / 2.0, height / 2.0))
+            for block in arch_blocks(rng, n, first_id=first_id)
+        )
+
+    return make
+
+
+def _lengths(name: str, pair: Iterable[float]) -> tuple[float, float]:
+    values = tuple(pair) if isinstance(pair, Iterable) else ()
+    if len(values) != 2:
+        raise InputError(f"{name} must be two lengths, got {pair!r}")
+    first, second = (in_range(name, value, 0.0, SIDES[1], open_low=True) for value in values)
+    return first, second
