@@ -6,8 +6,15 @@ from pathlib import Path
 import pytest
 
 from cli.command_lines import CommandLine
+from relforest.experiments.keepaway_team import benchmark_team
+from relforest.experiments.sarsa_folder import write_iteration
+from relforest.worlds.blocks.env import high_towers_env
+from relforest.worlds.blocks.policies import make_policy
+from relforest.worlds.blocks.recorder import record_episodes
 from relforest.worlds.keepaway.durations import episode_durations
+from relforest.worlds.keepaway.options import KeepawayOptions
 
+TASKS = ("high-towers", "color-grouping", "arch")
 SHORT = ("play", "keepaway", "--max-cycles", "40")
 
 
@@ -81,6 +88,13 @@ def test_pages_are_replaced_only_on_demand(run: CommandLine, tmp_path: Path) -> 
         (("--episodes", "0"), "episodes must be an integer of at least 1, got 0"),
         (("--max-cycles", "-1"), "max_cycles must be an integer of at least 0, got -1"),
         (("--seed", "-1"), "-1"),
+        (
+            ("--policy", "careful"),
+            "policy of keepaway, no run folder, must be one of 'random', 'hold', 'hand', got 'careful'",
+        ),
+        (("--blocks", "4"), "--blocks belongs to high-towers, color-grouping, arch, not to keepaway"),
+        (("--distance", "rgb"), "--distance belongs to color-grouping, not to keepaway: leave it out"),
+        (("--max-actions", "4"), "--max-actions belongs to high-towers, color-grouping, arch, not to"),
     ],
 )
 def test_bad_options_are_one_clear_line(run: CommandLine, arguments: tuple[str, ...], complaint: str) -> None:
@@ -91,8 +105,105 @@ def test_bad_options_are_one_clear_line(run: CommandLine, arguments: tuple[str, 
     assert len(outcome.err.splitlines()) == 1
 
 
+def test_a_learned_policy_plays(run: CommandLine, tmp_path: Path) -> None:
+    folder, out = tmp_path / "run", tmp_path / "page.html"
+    row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
+    write_iteration(folder, benchmark_team(KeepawayOptions()), [row])
+
+    assert run("play", "keepaway", "--policy", folder, "--max-cycles", "9", "--out", out).code == 0
+    assert f'"subtitle":"learned in {folder}, ' in out.read_text("utf-8")
+    assert "holds no run of keepaway" in run("play", "keepaway", "--policy", tmp_path).err
+
+
 def test_unknown_worlds_are_refused(run: CommandLine) -> None:
     outcome = run("play", "corridor")
 
     assert outcome.code == 2
     assert "keepaway" in outcome.err
+
+
+def test_an_episode_of_blocks_is_told(run: CommandLine) -> None:
+    outcome = run("play", "high-towers", "--policy", "small-first", "--seed", "3")
+    env = high_towers_env()
+    (episode,) = record_episodes(env, make_policy("small-first", env), seed=3)
+
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out == (
+        f"episode 1: {episode.duration:.1f} s, {len(episode.options)} options, "
+        f"mean height from {episode.first_score:.2f} to {episode.last_score:.2f}, "
+        f"reward {episode.total_reward:.2f}\n"
+    )
+
+
+def test_several_episodes_of_blocks_are_told_and_summarised(run: CommandLine) -> None:
+    outcome = run("play", "arch", "--policy", "random", "--max-actions", "1", "--episodes", "22")
+    lines = outcome.out.splitlines()
+
+    assert len(lines) == 22
+    assert re.fullmatch(
+        r"episode 1: \d+\.\d s, 1 option, area of the arch from \d+\.\d\d to \d+\.\d\d, reward \d+\.\d\d",
+        lines[0],
+    )
+    assert lines[20] == "... and 2 more"
+    assert re.fullmatch(
+        r"mean of 22: reward \d+\.\d\d \(standard deviation \d+\.\d\d, from 0\.00 to \d+\.\d\d\), "
+        r"final area of the arch \d+\.\d\d",
+        lines[21],
+    )
+
+
+@pytest.mark.parametrize(
+    ("task", "title", "subtitle"),
+    [
+        ("high-towers", "High towers", "large-first policy, 5 blocks, seed 4"),
+        ("color-grouping", "Color grouping", "manual policy, 5 blocks, ciede2000, seed 4"),
+        ("arch", "Arch", "careful policy, 3 blocks, seed 4"),
+    ],
+)
+def test_a_page_of_each_task_is_written(
+    run: CommandLine, tmp_path: Path, task: str, title: str, subtitle: str
+) -> None:
+    pages = [tmp_path / f"{number}.html" for number in range(3)]
+    for page, seed in zip(pages, (4, 4, 5), strict=True):
+        outcome = run("play", task, "--max-actions", "2", "--seed", seed, "--out", page)
+        assert (outcome.code, outcome.err) == (0, f"wrote {page}\n")
+    first, second, other = (page.read_text("utf-8") for page in pages)
+
+    assert first == second != other
+    assert f"<title>{title}</title>" in first
+    assert f'"subtitle":"{subtitle}"' in first
+
+
+def test_blocks_and_colour_distances_can_be_chosen(run: CommandLine, tmp_path: Path) -> None:
+    out = tmp_path / "page.html"
+    options = ("--policy", "random", "--blocks", "3", "--max-actions", "1", "--distance", "rgb")
+
+    assert run("play", "color-grouping", *options, "--out", out).code == 0
+    assert '"subtitle":"random policy, 3 blocks, rgb, seed 0"' in out.read_text("utf-8")
+    assert '"ids":[0,1,2]' in out.read_text("utf-8")
+
+
+@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--keepers", "3"), "--keepers belongs to keepaway, not to"),
+        (("--takers", "2"), "--takers belongs to keepaway, not to"),
+        (("--size", "20"), "--size belongs to keepaway, not to"),
+        (("--perception", "exact"), "--perception belongs to keepaway, not to"),
+        (("--max-cycles", "9"), "--max-cycles belongs to keepaway, not to"),
+        (("--policy", "hand"), "must be one of 'random', "),
+        (("--blocks", "0"), "n_blocks must be an integer of at least 1, got 0"),
+        (("--max-actions", "0"), "max_actions must be an integer of at least 1, got 0"),
+        (("--episodes", "0"), "episodes must be an integer of at least 1, got 0"),
+        (("--out", "page.txt"), "page.txt must end in .html"),
+    ],
+)
+def test_bad_options_of_blocks_are_one_clear_line(
+    run: CommandLine, task: str, arguments: tuple[str, ...], complaint: str
+) -> None:
+    outcome = run("play", task, *arguments)
+
+    assert (outcome.code, outcome.out) == (1, "")
+    assert complaint in outcome.err
+    assert len(outcome.err.splitlines()) == 1

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean, stdev
-from typing import TYPE_CHECKING, Annotated, Final, Literal, final
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
 from tyro.conf import Positional, arg
 
@@ -18,12 +19,31 @@ from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
-    from relforest.worlds.keepaway.recording import Recording
+    from relforest.worlds.blocks.env import BlocksEnv
+    from relforest.worlds.blocks.recording import Recording as BlocksRecording
+    from relforest.worlds.keepaway.recorder import Decider
+    from relforest.worlds.keepaway.recording import Recording as KeepawayRecording
 
 _MOST_LINES: Final = 20
-_POLICIES: Final = {"random": "random policy", "hold": "always hold", "hand": "hand-coded policy"}
+_KEEPAWAY_POLICIES: Final = {"random": "random policy", "hold": "always hold", "hand": "hand-coded policy"}
 # In the order of the codes: PLAYING, OUT, TAKEN, CAPPED.
 _ENDS: Final = ("unfinished", "the ball went out", "a taker took the ball", "cut off")
+# What options are when they are not given, for each world that they belong to.
+_DEFAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+    {
+        "keepaway": {
+            "policy": "hand",
+            "keepers": 3,
+            "takers": 2,
+            "size": (20.0,),
+            "perception": "quantised",
+            "max_cycles": 10_000,
+        },
+        "high-towers": {"policy": "large-first", "blocks": 5, "max_actions": 5},
+        "color-grouping": {"policy": "manual", "blocks": 5, "max_actions": 5, "distance": "ciede2000"},
+        "arch": {"policy": "careful", "blocks": 3, "max_actions": 5},
+    }
+)
 
 
 @final
@@ -32,31 +52,41 @@ class PlayOptions:
     """Play episodes of a world and, with --out, write a page that shows them.
 
     For each episode it tells how long it took and how it ended. The page is one HTML file that any browser
-    opens, without a network: it plays the episodes and lists every decision, with the scores of the
-    hand-coded policy.
+    opens, without a network: it plays the episodes and lists every decision.
 
     For example:
-      relforest play keepaway
       relforest play keepaway --policy hand --keepers 3 --takers 2 --out game.html
       relforest play keepaway --policy random --keepers 4 --takers 3 --size 25 --episodes 10 --out games.html
+      relforest play keepaway --policy runs/keepaway --out learned.html
+      relforest play high-towers --policy large-first --out towers.html
+      relforest play color-grouping --episodes 5 --seed 1 --out colors.html
+      relforest play arch --policy careful --out arch.html
 
     Parameters
     ----------
     world
-        What to play: keepaway.
+        What to play: keepaway, or a task of the blocks world: high-towers, color-grouping, arch.
     policy
-        Who decides for the keepers: at random, always hold the ball, or the hand-coded policy.
+        Who decides. keepaway: hand (the benchmark's hand-coded policy), hold (always hold the ball), or the
+        folder of a run of "relforest learn keepaway"; high-towers: large-first, small-first; color-grouping:
+        manual; arch: careful, trainer; and random in every world.
     keepers
-        Players who keep the ball.
+        keepaway: players who keep the ball.
     takers
-        Players who try to take it.
+        keepaway: players who try to take it.
     size
-        Side of the square field in metres, or its length and its width.
+        keepaway: side of the square field in metres, or its length and its width.
     perception
-        What players know: distances and angles rounded as the RoboCup 2-D server rounds them, exact ones, or
-        exact ones without the players' rule that a ball in an opponent's reach stands still.
+        keepaway: what players know: distances and angles rounded as the RoboCup 2-D server rounds them, exact
+        ones, or exact ones without the players' rule that a ball in an opponent's reach stands still.
     max_cycles
-        Cycles of a tenth of a second after which an episode is cut off; 0 = never.
+        keepaway: cycles of a tenth of a second after which an episode is cut off; 0 = never.
+    blocks
+        Blocks tasks: how many blocks are dropped.
+    max_actions
+        Blocks tasks: actions after which an episode ends.
+    distance
+        color-grouping: how colours are compared.
     episodes
         How many.
     seed
@@ -67,13 +97,29 @@ class PlayOptions:
         Replace the page if it exists.
     """
 
-    world: Annotated[Positional[Literal["keepaway"]], arg(metavar="WORLD")]
-    policy: Literal["random", "hold", "hand"] = "hand"
-    keepers: int = 3
-    takers: int = 2
-    size: Annotated[tuple[float, ...], arg(metavar="METRES [METRES]")] = (20.0,)
-    perception: Literal["quantised", "exact", "fullstate"] = "quantised"
-    max_cycles: int = 10_000
+    world: Annotated[
+        Positional[Literal["keepaway", "high-towers", "color-grouping", "arch"]], arg(metavar="WORLD")
+    ]
+    policy: Annotated[
+        str | None,
+        arg(metavar="NAME", help_behavior_hint="(default: hand, large-first, manual, careful)"),
+    ] = None
+    keepers: Annotated[int | None, arg(metavar="INT", help_behavior_hint="(default: 3)")] = None
+    takers: Annotated[int | None, arg(metavar="INT", help_behavior_hint="(default: 2)")] = None
+    size: Annotated[
+        tuple[float, ...] | None, arg(metavar="METRES [METRES]", help_behavior_hint="(default: 20)")
+    ] = None
+    perception: Annotated[
+        Literal["quantised", "exact", "fullstate"] | None,
+        arg(metavar="{quantised,exact,fullstate}", help_behavior_hint="(default: quantised)"),
+    ] = None
+    max_cycles: Annotated[int | None, arg(metavar="INT", help_behavior_hint="(default: 10000)")] = None
+    blocks: Annotated[int | None, arg(metavar="INT", help_behavior_hint="(default: 5, arch: 3)")] = None
+    max_actions: Annotated[int | None, arg(metavar="INT", help_behavior_hint="(default: 5)")] = None
+    distance: Annotated[
+        Literal["ciede2000", "rgb"] | None,
+        arg(metavar="{ciede2000,rgb}", help_behavior_hint="(default: ciede2000)"),
+    ] = None
     episodes: int = 1
     seed: int = 0
     out: Annotated[Path | None, arg(metavar="PAGE", help_behavior_hint="(default: no page)")] = None
@@ -82,25 +128,72 @@ class PlayOptions:
 
 def play(options: PlayOptions) -> int:
     """Play as the options say; the exit code is 0."""
-    from relforest.worlds.keepaway.options import KeepawayOptions
-    from relforest.worlds.keepaway.recorder import record_episodes
-
+    chosen = _chosen(options)
     if options.out is not None:
         _check_page(options.out, force=options.force)
-    rules = KeepawayOptions(
-        keepers=options.keepers,
-        takers=options.takers,
-        size=_size(options.size),
-        perception=options.perception,
-        max_cycles=options.max_cycles,
-    )
-    with working("playing"):
-        recordings = record_episodes(options.policy, rules, options.episodes, options.seed)
-    for line in _told(recordings):
+    if options.world == "keepaway":
+        lines, page = _play_keepaway(options, chosen)
+    else:
+        lines, page = _play_blocks(options, chosen)
+    for line in lines:
         print(line)
     if options.out is not None:
-        _write_page(options.out, options, recordings)
+        from relforest.support.files import write_text
+
+        write_text(options.out, page())
+        note(f"wrote {options.out}")
     return 0
+
+
+def _chosen(options: PlayOptions) -> dict[str, Any]:
+    """Return the options that belong to the world, with what they are when not given; refuse others."""
+    defaults = _DEFAULTS[options.world]
+    for name in sorted({name for own in _DEFAULTS.values() for name in own} - defaults.keys()):
+        if getattr(options, name) is not None:
+            worlds = [world for world, own in _DEFAULTS.items() if name in own]
+            flag = f"--{name.replace('_', '-')}"
+            raise InputError(f"{flag} belongs to {', '.join(worlds)}, not to {options.world}: leave it out")
+    given = {name: getattr(options, name) for name in defaults}
+    return {name: defaults[name] if value is None else value for name, value in given.items()}
+
+
+def _check_page(out: Path, *, force: bool) -> None:
+    if out.suffix.lower() not in {".html", ".htm"}:
+        raise InputError(f"{out} must end in .html: --out writes a page")
+    check_free(out, force=force)
+
+
+def _play_keepaway(
+    options: PlayOptions, chosen: Mapping[str, Any]
+) -> tuple[Iterator[str], Callable[[], str]]:
+    from relforest.experiments.keepaway_policies import learned_policy
+    from relforest.support.options import one_of
+    from relforest.worlds.keepaway.options import KeepawayOptions
+    from relforest.worlds.keepaway.page import page
+    from relforest.worlds.keepaway.recorder import record_episodes
+
+    rules = KeepawayOptions(
+        keepers=chosen["keepers"],
+        takers=chosen["takers"],
+        size=_size(chosen["size"]),
+        perception=chosen["perception"],
+        max_cycles=chosen["max_cycles"],
+    )
+    name = chosen["policy"]
+    policy: str | Decider = name
+    if name in _KEEPAWAY_POLICIES or not Path(name).is_dir():
+        what = "policy of keepaway, no run folder,"
+        described = _KEEPAWAY_POLICIES[one_of(what, name, tuple(_KEEPAWAY_POLICIES))]
+    else:
+        policy, described = learned_policy(Path(name), rules.keepers), f"learned in {name}"
+    with working("playing"):
+        recordings = record_episodes(policy, rules, options.episodes, options.seed)
+    length, width = recordings[0].field
+    title = f"Keepaway: {chosen['keepers']} keepers, {chosen['takers']} takers"
+    subtitle = (
+        f"{described}, {length:g} m by {width:g} m, {chosen['perception']} perception, seed {options.seed}"
+    )
+    return _told_keepaway(recordings), lambda: page(recordings, title=title, subtitle=subtitle)
 
 
 def _size(sides: tuple[float, ...]) -> float | tuple[float, float]:
@@ -113,34 +206,85 @@ def _size(sides: tuple[float, ...]) -> float | tuple[float, float]:
             raise InputError(f"--size takes one number, or a length and a width, got {len(sides)} numbers")
 
 
-def _check_page(out: Path, *, force: bool) -> None:
-    if out.suffix.lower() not in {".html", ".htm"}:
-        raise InputError(f"{out} must end in .html: --out writes a page")
-    check_free(out, force=force)
-
-
-def _told(recordings: Sequence[Recording]) -> Iterator[str]:
+def _told_keepaway(recordings: Sequence[KeepawayRecording]) -> Iterator[str]:
     """Yield a line about each of the first episodes, and one about all of them."""
     from relforest.worlds.keepaway.layout import TAKEN
     from relforest.worlds.keepaway.recording import SECOND
 
     seconds = [recording.duration / SECOND for recording in recordings]
-    for number, recording in enumerate(recordings[:_MOST_LINES], start=1):
-        yield f"episode {number}: {recording.duration / SECOND:.1f} s, {_ENDS[recording.end]}"
-    if len(recordings) > _MOST_LINES:
-        yield f"... and {len(recordings) - _MOST_LINES} more"
+    yield from _listed(
+        f"{recording.duration / SECOND:.1f} s, {_ENDS[recording.end]}"
+        for recording in recordings[:_MOST_LINES]
+    )
+    yield from _rest(recordings)
     if len(recordings) > 1:
         taken = sum(recording.end == TAKEN for recording in recordings) / len(recordings)
         spread = f"standard deviation {stdev(seconds):.1f} s, from {min(seconds):.1f} to {max(seconds):.1f} s"
         yield f"mean of {len(seconds)}: {mean(seconds):.1f} s ({spread}), {taken:.0%} taken"
 
 
-def _write_page(out: Path, options: PlayOptions, recordings: Sequence[Recording]) -> None:
-    from relforest.support.files import write_text
-    from relforest.worlds.keepaway.page import page
+def _play_blocks(options: PlayOptions, chosen: Mapping[str, Any]) -> tuple[Iterator[str], Callable[[], str]]:
+    from relforest.worlds.blocks.page import page
+    from relforest.worlds.blocks.policies import make_policy
+    from relforest.worlds.blocks.recorder import record_episodes
 
-    length, width = recordings[0].field
-    title = f"Keepaway: {options.keepers} keepers, {options.takers} takers"
-    subtitle = f"{_POLICIES[options.policy]}, {length:g} m by {width:g} m, {options.perception} perception"
-    write_text(out, page(recordings, title=title, subtitle=f"{subtitle}, seed {options.seed}"))
-    note(f"wrote {out}")
+    env = _blocks_env(options.world, chosen)
+    policy = make_policy(chosen["policy"], env)
+    with working("playing"):
+        recordings = record_episodes(env, policy, options.episodes, options.seed)
+    compared = f", {chosen['distance']}" if "distance" in chosen else ""
+    title = options.world.replace("-", " ").capitalize()
+    subtitle = f"{chosen['policy']} policy, {chosen['blocks']} blocks{compared}, seed {options.seed}"
+    return _told_blocks(recordings), lambda: page(recordings, title=title, subtitle=subtitle)
+
+
+def _blocks_env(world: str, chosen: Mapping[str, Any]) -> BlocksEnv:
+    from relforest.worlds.blocks.env import arch_env, color_grouping_env, high_towers_env
+
+    sizes = {"n_blocks": chosen["blocks"], "max_actions": chosen["max_actions"]}
+    if world == "high-towers":
+        return high_towers_env(**sizes)
+    if world == "color-grouping":
+        return color_grouping_env(distance=chosen["distance"], **sizes)
+    # The policies made by hand need the moves of their plan among the candidates.
+    return arch_env(sampler="test" if chosen["policy"] == "random" else "expert", **sizes)
+
+
+def _told_blocks(recordings: Sequence[BlocksRecording]) -> Iterator[str]:
+    """Yield a line about each of the first episodes, and one about all of them."""
+    from relforest.worlds.blocks.page import SCORE_NAMES
+
+    name = SCORE_NAMES[recordings[0].task]
+    yield from _listed(
+        f"{recording.duration:.1f} s, {_counted(len(recording.options))}, "
+        f"{name} from {_brief(recording.first_score)} to {_brief(recording.last_score)}, "
+        f"reward {_brief(recording.total_reward)}"
+        for recording in recordings[:_MOST_LINES]
+    )
+    yield from _rest(recordings)
+    if len(recordings) > 1:
+        rewards = [recording.total_reward for recording in recordings]
+        spread = (
+            f"standard deviation {stdev(rewards):.2f}, from {_brief(min(rewards))} to {_brief(max(rewards))}"
+        )
+        last = _brief(mean(recording.last_score for recording in recordings))
+        yield f"mean of {len(rewards)}: reward {_brief(mean(rewards))} ({spread}), final {name} {last}"
+
+
+def _counted(options: int) -> str:
+    return f"{options} option{'' if options == 1 else 's'}"
+
+
+def _brief(value: float) -> str:
+    # Adding 0 makes a negative zero positive.
+    return f"{round(value, 2) + 0.0:.2f}"
+
+
+def _listed(lines: Iterator[str]) -> Iterator[str]:
+    for number, line in enumerate(lines, start=1):
+        yield f"episode {number}: {line}"
+
+
+def _rest(recordings: Sequence[object]) -> Iterator[str]:
+    if len(recordings) > _MOST_LINES:
+        yield f"... and {len(recordings) - _MOST_LINES} more"
