@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import platform
 
+import bench_blocks
 import bench_compile
 import bench_covagg
 import bench_keepaway
@@ -26,6 +27,7 @@ def main() -> None:
         table.report()
     for table in bench_keepaway.run():
         table.report()
+    bench_blocks.run().report()
     bench_compile.run().report()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from relforest.experiments import calibration, concepts, corridor, covagg, keepaway, resume
+from relforest.experiments import blocks, calibration, concepts, corridor, covagg, keepaway, resume
 from relforest.experiments.study import Study
 
 _ALL: Final[tuple[Study[Any], ...]] = (
@@ -54,6 +54,16 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         keepaway.compute,
         keepaway.summarize,
         keepaway.figures,
+    ),
+    Study(
+        "blocks",
+        "Is our blocks world that of the author's simulator, and how good are hand-made policies in it?",
+        blocks.SETTINGS,
+        blocks.SMOKE,
+        blocks.compute,
+        blocks.summarize,
+        blocks.figures,
+        compiles=False,
     ),
     Study(
         "resume",

@@ -1,0 +1,139 @@
+"""One measurement -> tidy rows: part, condition, chunk, measure, value."""
+
+from __future__ import annotations
+
+from time import process_time
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.experiments.blocks.episodes import Measures, play, world
+from relforest.experiments.blocks.settings import (
+    ARCH_BLOCKS,
+    ARCHES,
+    BALANCE_TASKS,
+    COLORS,
+    GROUPS,
+    LIFT,
+    LIFTS,
+    OPTION_REFERENCE,
+    OUTCOME_TASKS,
+    OUTCOMES,
+    SETTLE,
+    SPEED,
+    TOWERS,
+    UNIFORM_RGB,
+    BlocksSetting,
+)
+from relforest.experiments.study import Place
+from relforest.experiments.table import Row
+from relforest.support.rng import generator, stream
+from relforest.worlds.blocks.balance import balance_trial
+from relforest.worlds.blocks.blocks import Block, arch_blocks, random_blocks
+from relforest.worlds.blocks.drop_on import drop_on_trial
+from relforest.worlds.blocks.outcomes import random_colors
+from relforest.worlds.blocks.scores import COLOR_DISTANCES
+from relforest.worlds.blocks.simulation import MAX_STAGE_STEPS, BlocksSimulation
+
+_LONGEST: Final = 5000
+_LIFTED: Final = 20.0
+_ALWAYS_KEPT: Final = frozenset({"total", "stands"})
+
+
+def compute(setting: BlocksSetting, place: Place) -> list[Row]:
+    """Return a row per number measured; only those of SPEED differ from run to run.
+
+    References
+    ----------
+    Palmer (2015), sections 5.3.1 and 7.4.
+    """
+    head: Row = {"part": setting.part, "condition": setting.condition, "chunk": setting.chunk}
+    return [{**head, "measure": name, "value": value} for name, value in _PARTS[setting.part](setting, place)]
+
+
+def _settle(setting: BlocksSetting, place: Place) -> Measures:
+    rng = generator(place.stream)
+    sim = BlocksSimulation(rng)
+    is_arch = setting.condition == ARCH_BLOCKS
+    for _ in range(setting.count):
+        first = sim.next_id
+        blocks = arch_blocks(rng, 3, first_id=first) if is_arch else random_blocks(rng, 5, first_id=first)
+        steps = sim.drop(blocks, turned=is_arch)
+        # An episode does not wait longer; the reference did.
+        if steps >= MAX_STAGE_STEPS:
+            steps += sim.wait_for_rest(_LONGEST)
+        yield "steps", float(steps)
+        yield "height", float(sim.poses[:, 1].mean())
+
+
+def _lift(setting: BlocksSetting, place: Place) -> Measures:
+    sim = BlocksSimulation(generator(place.stream))
+    half_extents = LIFTS[setting.condition]
+    sim.place([Block(0, half_extents, (0.0, 0.0, 0.0))], [(0.0, half_extents[1], 0.0)])
+    sim.wait_for_rest(_LONGEST)
+    sim.grab(0, (0.0, 0.0))
+    steps, _ = sim.carry((0.0, _LIFTED), _LONGEST)
+    yield "steps", float(steps)
+
+
+def _play(setting: BlocksSetting, place: Place) -> Measures:
+    env = world(setting.part, setting.condition)
+    for episode in range(setting.count):
+        for name, value in play(env, setting.condition, stream(place.stream, episode)):
+            if name in _ALWAYS_KEPT or (setting.part, setting.condition, name) in OPTION_REFERENCE:
+                yield name, value
+
+
+def _colors(setting: BlocksSetting, place: Place) -> Measures:
+    rng = generator(place.stream)
+
+    def draw() -> NDArray[np.float64]:
+        is_uniform = setting.condition == UNIFORM_RGB
+        return rng.random((setting.count, 3)) if is_uniform else random_colors(rng, setting.count)
+
+    one, other = draw(), draw()
+    for name, short in (("ciede2000", "lab"), ("rgb", "rgb")):
+        distance = COLOR_DISTANCES[name]
+        apart = distance.difference(distance.coordinates(one), distance.coordinates(other))
+        for percent in (25, 50):
+            yield f"{short}_q{percent}", float(np.percentile(apart, percent))
+        yield f"{short}_max", float(apart.max())
+        yield f"{short}_near", float((apart <= distance.middle).mean())
+
+
+def _outcomes(setting: BlocksSetting, place: Place) -> Measures:
+    rng, limits = generator(place.stream), OUTCOME_TASKS[setting.condition]
+    make_trial = balance_trial if setting.condition in BALANCE_TASKS else drop_on_trial
+    for _ in range(setting.count):
+        outcome = make_trial(rng, limits).outcome
+        yield "decided", float(outcome is not None)
+        if outcome is not None:
+            yield "label", float(outcome)
+
+
+def _speed(setting: BlocksSetting, place: Place) -> Measures:
+    env = world(TOWERS, setting.condition)
+    for episode in range(setting.count + 1):
+        begin = process_time()
+        found = dict(play(env, setting.condition, stream(place.stream, episode)))
+        elapsed = process_time() - begin
+        # The first episode pays for what is done only once.
+        if episode:
+            yield "milliseconds", 1000 * elapsed
+            yield "steps", found["episode_steps"]
+
+
+_PARTS: Final = MappingProxyType(
+    {
+        SETTLE: _settle,
+        LIFT: _lift,
+        TOWERS: _play,
+        GROUPS: _play,
+        ARCHES: _play,
+        COLORS: _colors,
+        OUTCOMES: _outcomes,
+        SPEED: _speed,
+    }
+)
