@@ -38,7 +38,8 @@ class LearnOptions:
     Parameters
     ----------
     task
-        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m) or keepaway-4v3 (on 25 m by 25 m).
+        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-4v3 (on 25 m by 25 m),
+        high-towers or color-grouping (5 blocks).
     method
         smrf-rpi, or for keepaway cmac-sarsa (every keeper learns alone, as in the benchmark) or
         cmac-sarsa-shared (all learn from everyone's experience).

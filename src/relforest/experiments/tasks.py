@@ -103,6 +103,8 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                 options={"keepers": 4, "takers": 3, "size": 25.0},
                 pictures=_KEEPAWAY_PICTURES,
             ),
+            Task("high-towers", "high-towers"),
+            Task("color-grouping", "color-grouping"),
         )
     }
 )

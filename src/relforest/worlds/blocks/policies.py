@@ -142,6 +142,7 @@ def make_policy(name: str, world: BlocksWorld) -> Policy:
 
     Examples
     --------
+    >>> import gymnasium
     >>> env = gymnasium.make("relforest/Arch-v0", sampler="expert")
     >>> policy = make_policy("careful", env.unwrapped)
     """
