@@ -1,9 +1,10 @@
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import gymnasium
@@ -336,10 +337,14 @@ def test_a_far_away_target_is_given_up() -> None:
         (high_towers_env, {"render_mode": "human"}, "render_mode must be one of 'rgb_array'"),
         (color_grouping_env, {"distance": "lab"}, "distance must be one of"),
         (arch_env, {"sampler": "all"}, "sampler must be one of"),
-        (arch_env, {"size": (0.0, 4.0)}, "size must be a number above 0 and of at most 10, got 0.0"),
+        (arch_env, {"size": (0.0, 4.0)}, "size must be a number of at least 0.02 and of at most 10, got 0.0"),
         (high_towers_env, {"sides": (4.0, 2.0)}, "sides must be the least and the greatest side"),
         (high_towers_env, {"sides": 4.0}, "sides must be two lengths, got 4.0"),
-        (color_grouping_env, {"sides": (1.0, 11.0)}, "sides must be a number above 0 and of at most 10"),
+        (
+            color_grouping_env,
+            {"sides": (1.0, 11.0)},
+            "sides must be a number of at least 0.02 and of at most 10",
+        ),
     ],
 )
 def test_options_out_of_range_are_errors(make: Any, options: dict[str, Any], message: str) -> None:
@@ -366,3 +371,14 @@ def test_the_order_of_calls_is_kept() -> None:
         env.step(0)
     env.reset()
     env.step(0)
+
+
+@pytest.mark.parametrize("make", [high_towers_env, color_grouping_env, arch_env])
+def test_an_environment_can_be_sent_to_a_process_before_its_first_reset(
+    make: Callable[[], BlocksEnv],
+) -> None:
+    env = make()
+    sent = pickle.loads(pickle.dumps(env))  # noqa: S301 - our own bytes
+
+    for name, array in env.reset(seed=1)[0].items():
+        np.testing.assert_array_equal(array, sent.reset(seed=1)[0][name])

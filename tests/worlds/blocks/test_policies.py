@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -214,3 +216,9 @@ def test_all_policies_can_be_made_by_name() -> None:
 def test_an_unknown_policy_is_an_error_that_lists_those_of_the_task() -> None:
     with pytest.raises(InputError, match="policy for arch must be one of 'random', 'careful', 'trainer'"):
         make_policy("large-first", arches(portal()))
+
+
+def test_a_wrapped_environment_is_told_from_the_world_itself() -> None:
+    wrapped: Any = gymnasium.make("relforest/HighTowers-v0")
+    with pytest.raises(InputError, match=r"not OrderEnforcing: pass env\.unwrapped"):
+        make_policy("random", wrapped)

@@ -15,7 +15,7 @@ import math
 import warnings
 from array import array
 from collections.abc import Callable, Sequence
-from typing import Any, Final, NamedTuple, final
+from typing import Any, Final, NamedTuple, NoReturn, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,6 +115,12 @@ class Engine:
         self._grip: _Grip | None = None
         self._sure_steps = 0
         self._step: Callable[[float, int, int], None] = self._world.Step
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse to be copied or pickled: the boxes are memory of Box2D."""
+        raise TypeError(
+            "a world of blocks cannot be copied or pickled: make another one and reset it with the same seed"
+        )
 
     @property
     def keys(self) -> tuple[int, ...]:

@@ -48,7 +48,7 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
     """Blocks are dropped on a table; a robot lifts, turns and drops them, one option per step.
 
     An episode begins with the blocks at rest and is truncated after ``max_actions`` actions. It terminates
-    with the action ``done``, in tasks that have it, and when no block is left on the table to act on. A block
+    with the action ``done``, and in tasks without it when no block is left on the table to act on. A block
     that falls off the table is gone for the rest of the episode.
 
     Observation: one slot per block, in the order in which they were dropped, then one per target that moves
@@ -165,11 +165,12 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[_Arrays, _Info]:
         """Drop new blocks and wait until they rest; without a seed, ids count on from the last episode."""
-        super().reset(seed=seed)
         if options:
             raise InputError(f"the blocks world has no reset options, got {dict(options)!r}")
+        super().reset(seed=seed)
         if self._simulation is None or seed is not None:
             self._simulation = BlocksSimulation(self.np_random)
+        self._simulation.rng = self.np_random
         blocks = self.task.blocks(self.np_random, self.n_blocks, self._simulation.next_id)
         self._simulation.drop(blocks, turned=self.task.turned)
         self._slots, self._taken = np.array([block.id for block in blocks]), 0
@@ -225,7 +226,12 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         return self.moment.decision
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Return which actions are available, (n_actions,), as learners that mask actions ask for it."""
+        """Return which actions are available, (n_actions,), as learners that mask actions ask for it.
+
+        There are none after termination. After truncation they are those of the last state, though `step`
+        takes none then.
+        Wrappers do not pass the method on: use ``env.get_wrapper_attr("action_masks")()``.
+        """
         return np.isin(np.arange(len(self._actions)), self.moment.decision.indices)
 
     def render(self) -> NDArray[np.uint8]:
@@ -291,7 +297,7 @@ def high_towers_env(
     Parameters
     ----------
     sides : pair of float
-        Least and greatest side of a block, above 0 and at most 10.
+        Least and greatest side of a block, from 0.02 to 10.
     render_mode, n_blocks, max_actions, noise, overlap
         As for `BlocksEnv`.
     """
@@ -318,7 +324,7 @@ def color_grouping_env(
     distance : {"ciede2000", "rgb"}
         How colours are compared.
     sides : pair of float
-        Least and greatest side of a block, above 0 and at most 10.
+        Least and greatest side of a block, from 0.02 to 10.
     render_mode, n_blocks, max_actions, noise, overlap
         As for `BlocksEnv`.
     """
@@ -345,7 +351,7 @@ def arch_env(
     sampler : {"test", "training", "expert"}
         Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
     size : pair of float
-        Width and height of all blocks, above 0 and at most 10.
+        Width and height of all blocks, from 0.02 to 10.
     render_mode, n_blocks, max_actions, noise, overlap
         As for `BlocksEnv`.
     """

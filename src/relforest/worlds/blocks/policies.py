@@ -138,7 +138,8 @@ def make_policy(name: str, world: BlocksWorld) -> Policy:
     Raises
     ------
     InputError
-        If the task has no policy of that name; the message lists those that it has.
+        If the task has no policy of that name (the message lists those that it has), or the environment is
+        still wrapped.
 
     Examples
     --------
@@ -146,5 +147,7 @@ def make_policy(name: str, world: BlocksWorld) -> Policy:
     >>> env = gymnasium.make("relforest/Arch-v0", sampler="expert")
     >>> policy = make_policy("careful", env.unwrapped)
     """
+    if not hasattr(world, "task"):
+        raise InputError(f"a policy needs the world itself, not {type(world).__name__}: pass env.unwrapped")
     choices = POLICIES[world.task.name]
     return choices[one_of(f"policy for {world.task.name}", name, tuple(choices))](world)

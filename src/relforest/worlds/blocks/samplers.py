@@ -113,6 +113,18 @@ def _pairs(n: int) -> int:
     return (n - 1) * (n - 2) // 2
 
 
+def _n_test(n: int) -> int:
+    return n * (_pairs(n) + 3 * (n - 1))
+
+
+def _n_training(n: int) -> int:
+    return n * (_pairs(n) + 2 * (n - 1))
+
+
+def _n_expert(n: int) -> int:
+    return _n_training(n) + 1
+
+
 def _every_move(
     state: BlocksState,
     slots: NDArray[np.int64],
@@ -148,9 +160,9 @@ def _expert(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Targe
 
 SAMPLERS: Final[Mapping[str, Sampler]] = MappingProxyType(
     {
-        "test": Sampler(lambda n: n * (_pairs(n) + 3 * (n - 1)), _test),
-        "training": Sampler(lambda n: n * (_pairs(n) + 2 * (n - 1)), _training),
-        "expert": Sampler(lambda n: n * (_pairs(n) + 2 * (n - 1)) + 1, _expert),
+        "test": Sampler(_n_test, _test),
+        "training": Sampler(_n_training, _training),
+        "expert": Sampler(_n_expert, _expert),
     }
 )
 """Name -> sampler of targets."""

@@ -17,8 +17,7 @@ from relforest.worlds.blocks.engine import TABLE_HALF_WIDTH, Engine
 from relforest.worlds.blocks.grasp import springs
 
 STEPS_PER_SECOND: Final = 100
-STEP_SECONDS: Final = 1 / STEPS_PER_SECOND
-"""Length of a step on the clock of the tasks."""
+"""Steps in a second on the clock of the tasks."""
 
 MAX_STAGE_STEPS: Final = 500
 """Every stage of an option, waiting for rest included, ends after as many steps."""
@@ -225,7 +224,8 @@ class BlocksSimulation:
         Raises
         ------
         InputError
-            If an id has been used before, there is not one pose for each block, or a pose is not finite.
+            If an id has been used before, there is not one pose for each block, or a pose is not three finite
+            numbers.
         """
         dropped = tuple(blocks)
         ids = [block.id for block in dropped]
@@ -235,6 +235,8 @@ class BlocksSimulation:
             )
         if len(poses) != len(dropped):
             raise InputError(f"poses must have one row for each of {len(dropped)} blocks, got {len(poses)}")
+        if any(len(pose) != 3 for pose in poses):
+            raise InputError(f"a pose is x, y and angle, got {poses!r}")
         engine = Engine(table_half_width=self._table_half_width)
         keys = [
             engine.add_box(block.half_extents, (pose[0], pose[1]), pose[2])

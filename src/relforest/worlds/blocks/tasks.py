@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, Literal, final
 
 import numpy as np
@@ -26,6 +27,7 @@ from relforest.worlds.blocks.blocks import (
     arch_blocks,
     random_blocks,
 )
+from relforest.worlds.blocks.engine import HALF_SIDES
 from relforest.worlds.blocks.samplers import Sampler, target_sampler
 from relforest.worlds.blocks.scores import color_distance, grouping_score, mean_height
 from relforest.worlds.blocks.state import BlocksState
@@ -49,6 +51,9 @@ ARCH_ACTIONS: Final = (ROTATE, MOVE, DONE)
 
 SIDES: Final = (2.0 * SMALLEST_HALF, 2.0 * LARGEST_HALF)
 """Least and greatest side of random blocks. Larger ones would begin inside the table."""
+
+SMALLEST_SIDE: Final = 2.0 * HALF_SIDES[0]
+"""Sides may be set as small as this; the engine takes no smaller ones."""
 
 ARCH_SIZE: Final = (2.0 * ARCH_HALF_EXTENTS[0], 2.0 * ARCH_HALF_EXTENTS[1])
 """Width and height of the blocks of the arch task."""
@@ -105,7 +110,7 @@ def high_towers(sides: tuple[float, float] = SIDES) -> Task:
     Parameters
     ----------
     sides : pair of float
-        Least and greatest side of a block, above 0 and at most 10.
+        Least and greatest side of a block, from 0.02 to 10.
 
     Raises
     ------
@@ -136,7 +141,7 @@ def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SID
     distance : {"ciede2000", "rgb"}
         How colours are compared.
     sides : pair of float
-        Least and greatest side of a block, above 0 and at most 10.
+        Least and greatest side of a block, from 0.02 to 10.
 
     Raises
     ------
@@ -155,7 +160,7 @@ def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SID
         blocks=_random_blocks(sides),
         turned=False,
         score_name="grouping_score",
-        score=lambda state: grouping_score(state, compared),
+        score=partial(grouping_score, distance=compared),
         pays="change",
     )
 
@@ -168,7 +173,7 @@ def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
     sampler : {"test", "training", "expert"}
         Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
     size : pair of float
-        Width and height of all blocks, above 0 and at most 10.
+        Width and height of all blocks, from 0.02 to 10.
 
     Raises
     ------
@@ -196,35 +201,37 @@ def _random_blocks(sides: tuple[float, float]) -> BlockMaker:
     low, high = _lengths("sides", sides)
     if low > high:
         raise InputError(f"sides must be the least and the greatest side, got {sides!r}")
-    scale = (high - low) / (SIDES[1] - SIDES[0])
+    return partial(_make_random, low / 2.0, (high - low) / (SIDES[1] - SIDES[0]))
 
-    def make(rng: np.random.Generator, n: int, first_id: int) -> tuple[Block, ...]:
-        return tuple(
-            replace(block, half_extents=(resized(block.half_extents[0]), resized(block.half_extents[1])))
-            for block in random_blocks(rng, n, first_id=first_id)
-        )
 
+def _make_random(
+    smallest: float, scale: float, rng: np.random.Generator, n: int, first_id: int
+) -> tuple[Block, ...]:
     def resized(half: float) -> float:
-        return low / 2.0 + (half - SMALLEST_HALF) * scale
+        return smallest + (half - SMALLEST_HALF) * scale
 
-    return make
+    return tuple(
+        replace(block, half_extents=(resized(block.half_extents[0]), resized(block.half_extents[1])))
+        for block in random_blocks(rng, n, first_id=first_id)
+    )
 
 
 def _equal_blocks(size: tuple[float, float]) -> BlockMaker:
     width, height = _lengths("size", size)
+    return partial(_make_equal, (width / 2.0, height / 2.0))
 
-    def make(rng: np.random.Generator, n: int, first_id: int) -> tuple[Block, ...]:
-        return tuple(
-            replace(block, half_extents=(width / 2.0, height / 2.0))
-            for block in arch_blocks(rng, n, first_id=first_id)
-        )
 
-    return make
+def _make_equal(
+    half_extents: tuple[float, float], rng: np.random.Generator, n: int, first_id: int
+) -> tuple[Block, ...]:
+    return tuple(
+        replace(block, half_extents=half_extents) for block in arch_blocks(rng, n, first_id=first_id)
+    )
 
 
 def _lengths(name: str, pair: Iterable[float]) -> tuple[float, float]:
     values = tuple(pair) if isinstance(pair, Iterable) else ()
     if len(values) != 2:
         raise InputError(f"{name} must be two lengths, got {pair!r}")
-    first, second = (in_range(name, value, 0.0, SIDES[1], open_low=True) for value in values)
+    first, second = (in_range(name, value, SMALLEST_SIDE, SIDES[1]) for value in values)
     return first, second
