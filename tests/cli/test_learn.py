@@ -17,7 +17,7 @@ def test_a_run_is_learned_told_and_drawn(run: CommandLine, tmp_path: Path) -> No
 
     assert outcome.code == 0
     lines = outcome.err.splitlines()
-    assert lines[0] == f"learning corridor in {out}: 1 iterations"
+    assert lines[0] == f"learning corridor in {out}: 1 iteration"
     assert [line.split(":")[0] for line in lines[1:]] == ["iteration 0", "iteration 1"]
     assert f"test reward {rows[1]['test_reward']:.3f}, {rows[1]['trees']} trees" in lines[2]
     assert lines[2].endswith(" s")

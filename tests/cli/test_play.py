@@ -87,10 +87,10 @@ def test_pages_are_replaced_only_on_demand(run: CommandLine, tmp_path: Path) -> 
         (("--size", "20", "20", "20"), "--size takes one number, or a length and a width, got 3 numbers"),
         (("--episodes", "0"), "episodes must be an integer of at least 1, got 0"),
         (("--max-cycles", "-1"), "max_cycles must be an integer of at least 0, got -1"),
-        (("--seed", "-1"), "-1"),
+        (("--seed", "-1"), "seed must be an integer of at least 0, got -1"),
         (
             ("--policy", "careful"),
-            "policy of keepaway, no run folder, must be one of 'random', 'hold', 'hand', got 'careful'",
+            "policy of keepaway must be one of 'random', 'hold', 'hand', or a run folder, got 'careful'",
         ),
         (("--blocks", "4"), "--blocks belongs to high-towers, color-grouping, arch, not to keepaway"),
         (("--distance", "rgb"), "--distance belongs to color-grouping, not to keepaway: leave it out"),

@@ -53,12 +53,12 @@ class LearnOptions:
         Episodes that test the policy after each iteration.
     features
         What trees contribute: one bit per leaf, with or without the densities of the questions above it, or
-        one probability per tree.
+        one probability per tree; cmac-sarsa has no trees and ignores this.
     seed
         The same seed gives the same result.
     jobs
-        Processes for several runs, threads for a single one; -1 = all cores. The result does not depend on
-        it.
+        Processes for several runs, threads for a single one of SMRF-RPI; -1 = all cores. The result does not
+        depend on it.
     out
         Run folder.
     """
@@ -100,7 +100,8 @@ def learn(options: LearnOptions) -> int:
     out = Path("runs") / options.task if options.out is None else options.out
     console = Console(stderr=True)
     several = f"{options.runs} runs of " if options.runs > 1 else ""
-    note(f"learning {options.task} in {out}: {several}{options.iterations} iterations", console)
+    plural = "s" if options.iterations > 1 else ""
+    note(f"learning {options.task} in {out}: {several}{options.iterations} iteration{plural}", console)
     with iteration_bar(console) as bar:
         # Every run has a row more than iterations: the one measured before learning.
         rows = options.runs * (options.iterations + 1)
@@ -132,9 +133,13 @@ def _result(config: RunConfig, folders: list[Path]) -> str:
     from relforest.experiments.run_metrics import metrics_of
     from relforest.reports import run_report
     from relforest.reports.run_report import averages_table, metrics_table
+    from relforest.rl.checkpoint import METRIC_NAMES
 
-    first = run_report(folders[0]) if config.method == "smrf-rpi" else metrics_table(metrics_of(folders[0]))
+    # Trees and leaves are of SMRF-RPI only.
+    has_trees = config.method == "smrf-rpi"
+    names = METRIC_NAMES if has_trees else METRIC_NAMES[:3]
+    first = run_report(folders[0]) if has_trees else metrics_table(metrics_of(folders[0]), names)
     if config.runs == 1:
         return first
-    averages = averages_table([metrics_of(folder) for folder in folders])
+    averages = averages_table([metrics_of(folder) for folder in folders], names)
     return f"mean (standard deviation) of {config.runs} runs\n{averages}\n\nfirst run\n{first}"

@@ -128,7 +128,10 @@ class PlayOptions:
 
 def play(options: PlayOptions) -> int:
     """Play as the options say; the exit code is 0."""
+    from relforest.support.options import at_least
+
     chosen = _chosen(options)
+    at_least("seed", options.seed, 0)
     if options.out is not None:
         _check_page(options.out, force=options.force)
     if options.world == "keepaway":
@@ -167,7 +170,6 @@ def _play_keepaway(
     options: PlayOptions, chosen: Mapping[str, Any]
 ) -> tuple[Iterator[str], Callable[[], str]]:
     from relforest.experiments.keepaway_policies import learned_policy
-    from relforest.support.options import one_of
     from relforest.worlds.keepaway.options import KeepawayOptions
     from relforest.worlds.keepaway.page import page
     from relforest.worlds.keepaway.recorder import record_episodes
@@ -181,11 +183,13 @@ def _play_keepaway(
     )
     name = chosen["policy"]
     policy: str | Decider = name
-    if name in _KEEPAWAY_POLICIES or not Path(name).is_dir():
-        what = "policy of keepaway, no run folder,"
-        described = _KEEPAWAY_POLICIES[one_of(what, name, tuple(_KEEPAWAY_POLICIES))]
+    if name in _KEEPAWAY_POLICIES:
+        described = _KEEPAWAY_POLICIES[name]
+    elif Path(name).is_dir():
+        policy, described = learned_policy(Path(name), rules.keepers, rules.takers), f"learned in {name}"
     else:
-        policy, described = learned_policy(Path(name), rules.keepers), f"learned in {name}"
+        known = ", ".join(repr(known) for known in _KEEPAWAY_POLICIES)
+        raise InputError(f"policy of keepaway must be one of {known}, or a run folder, got {name!r}")
     with working("playing"):
         recordings = record_episodes(policy, rules, options.episodes, options.seed)
     length, width = recordings[0].field

@@ -127,7 +127,10 @@ def _check_same(
     grows = _grows(identity, there)
     if grows:
         here[str(identity.growing)] = there[str(identity.growing)]
-    differing = differences(there, here)
+    # What only one of them has, such as the settings of another method, goes with an entry that both have.
+    both = [name for name in there if name in here]
+    differing = differences({name: there[name] for name in both}, {name: here[name] for name in both})
+    differing = differing or differences(there, here)
     if differing:
         raise RunFolderError(
             f"{folder} holds other work: {'; '.join(differing)}; "

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.sarsa_folder import CHECKPOINT, Team, trained_team
+from relforest.rl.peers import TileCoding
 from relforest.rl.policy_file import POLICY
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.value import ValueFunction
@@ -75,20 +76,20 @@ def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> De
     return decision(matrix, actor, receivers)
 
 
-def learned_policy(folder: Path, keepers: int) -> Decider:
+def learned_policy(folder: Path, keepers: int, takers: int) -> Decider:
     """Return the policy of a run folder of ``relforest learn keepaway``.
 
     Parameters
     ----------
     folder : path
         Of a single run.
-    keepers : int
-        How many keepers will play. Sarsa knows one number only, SMRF-RPI any.
+    keepers, takers : int
+        How many will play. Sarsa knows the numbers it was learned with only, SMRF-RPI any.
 
     Raises
     ------
     InputError
-        If the folder holds no such run, or Sarsa was learned with another number of keepers.
+        If the folder holds no such run, or Sarsa was learned with other numbers of players.
     ModelFormatError
         If a file in it is damaged.
     """
@@ -96,8 +97,14 @@ def learned_policy(folder: Path, keepers: int) -> Decider:
         team = trained_team(folder)
         if len(team) != keepers:
             raise InputError(f"{folder} holds a team of {len(team)} keepers, not {keepers}: choose --keepers")
+        there, here = team[0].features, n_variables(keepers, takers)
+        if isinstance(there, TileCoding) and there.n_variables != here:
+            learned = takers + (there.n_variables - here) // 2
+            raise InputError(f"{folder} was learned against {learned} takers, not {takers}: choose --takers")
         return TeamDecider(team)
     if (folder / POLICY).exists():
         env = gymnasium.make(environment_id(_WORLD), disable_env_checker=True)
         return AgentDecider(SMRFRPI.load(folder, env).value_, keepers)
+    if (folder / "run-00").is_dir():
+        raise InputError(f"{folder} holds several runs: give the folder of one, such as {folder / 'run-00'}")
     raise InputError(f"{folder} holds no run of keepaway: give the folder of 'relforest learn keepaway'")

@@ -35,15 +35,18 @@ def run_report(folder: str | PathLike[str]) -> str:
     return f"{metrics_table(metrics)}\n\n{trees_in_words(read_policy(folder))}"
 
 
-def metrics_table(rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return rows of metrics as a table of text, one line each; what is missing is a dash."""
-    return _aligned([[_cell(row.get(name)) for name in METRIC_NAMES] for row in rows])
+def metrics_table(rows: Iterable[Mapping[str, Any]], names: Sequence[str] = METRIC_NAMES) -> str:
+    """Return the named metrics as a table of text, one line per row; what is missing is a dash."""
+    return _aligned(names, [[_cell(row.get(name)) for name in names] for row in rows])
 
 
-def averages_table(runs: Sequence[Sequence[Mapping[str, Any]]]) -> str:
-    """Return the mean and the standard deviation of each metric over runs, one line per iteration."""
+def averages_table(runs: Sequence[Sequence[Mapping[str, Any]]], names: Sequence[str] = METRIC_NAMES) -> str:
+    """Return the mean and the standard deviation of each named metric over runs, one line per iteration.
+
+    The first name is that of the iteration.
+    """
     columns: list[list[str]] = []
-    for name in METRIC_NAMES[1:]:
+    for name in names[1:]:
         measured = [[row for row in run if row.get(name) is not None] for run in runs]
         iterations, means, deviations = mean_and_deviation(measured, name)
         cells = dict(zip(iterations.tolist(), zip(means, deviations, strict=True), strict=True))
@@ -51,7 +54,7 @@ def averages_table(runs: Sequence[Sequence[Mapping[str, Any]]]) -> str:
             [f"{cells[i][0]:.3f} ({cells[i][1]:.3f})" if i in cells else "-" for i in _iterations(runs)]
         )
     rows = [[str(i), *cells] for i, *cells in zip(_iterations(runs), *columns, strict=True)]
-    return _aligned(rows)
+    return _aligned(names, rows)
 
 
 def trees_in_words(value: ValueFunction) -> str:
@@ -76,9 +79,9 @@ def _iterations(runs: Sequence[Sequence[Mapping[str, Any]]]) -> list[int]:
     return sorted({int(row["iteration"]) for run in runs for row in run})
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> str:
+def _aligned(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return rows below the names of the metrics, columns aligned to the right."""
-    lines = [[name.replace("_", " ") for name in METRIC_NAMES], *rows]
+    lines = [[name.replace("_", " ") for name in names], *rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     return "\n".join(
         "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in lines

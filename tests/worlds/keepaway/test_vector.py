@@ -183,6 +183,8 @@ def test_wrong_use_is_an_error() -> None:
     envs = KeepawayVectorEnv(3)
     with pytest.raises(ResetNeeded, match="call reset"):
         envs.step(np.zeros(3, dtype=np.int64))
+    with pytest.raises(InputError, match=r"seed must be an integer, a sequence .* got 1.5"):
+        envs.reset(seed=1.5)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="seed must hold one seed for each of 3 games, got 2"):
         envs.reset(seed=[0, 1])
     with pytest.raises(InputError, match="keepaway has no reset options"):

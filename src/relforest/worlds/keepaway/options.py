@@ -101,7 +101,9 @@ def _team(name: str, value: object, low: int) -> int:
 
 
 def _sides(size: object) -> tuple[float, float]:
-    sides = size if isinstance(size, (Sequence, np.ndarray)) and not isinstance(size, str) else (size, size)
+    if isinstance(size, np.ndarray):
+        size = size.tolist()
+    sides = size if isinstance(size, Sequence) and not isinstance(size, str) else (size, size)
     if len(sides) != 2:
         raise InputError(f"size must be a number, or a length and a width, in metres, got {size!r}")
     length, width = (in_range("size", side, SMALLEST_SIDE, LARGEST_SIDE) for side in sides)

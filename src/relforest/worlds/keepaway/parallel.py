@@ -145,6 +145,8 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
 
     def _chosen(self, actions: Mapping[str, SupportsIndex]) -> int:
         """Return what the deciding keeper does, or raise `InputError`."""
+        if not isinstance(actions, Mapping):
+            raise InputError(f"actions must be a mapping from agents to actions, got {actions!r}")
         if not actions.keys() <= set(self.possible_agents):
             raise InputError(f"agents are {', '.join(self.possible_agents)}, got actions of {list(actions)}")
         actor = int(self._env.batch.seen.actors[0])

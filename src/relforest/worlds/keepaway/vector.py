@@ -34,7 +34,8 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     arrays of length ``num_envs``, and for each a mask named with ``_`` in front, which tells the games that
     have it, except for the scene: `scenes` makes those of all games at once. A game whose episode has ended
     begins another one in the next step: its action is then ignored, its reward 0
-    (``AutoresetMode.NEXT_STEP``).
+    (``AutoresetMode.NEXT_STEP``). One call of a kernel plays all games, one after the other, in the calling
+    thread; it releases the GIL, so that several vector environments can play side by side.
 
     Parameters
     ----------
@@ -143,6 +144,10 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
             return [None] * self.num_envs
         if isinstance(seed, (int, np.integer)):
             return [int(seed) + i for i in range(self.num_envs)]
+        if not isinstance(seed, (Sequence, np.ndarray)):
+            raise InputError(
+                f"seed must be an integer, a sequence with one for each game, or None, got {seed!r}"
+            )
         if len(seed) != self.num_envs:
             raise InputError(f"seed must hold one seed for each of {self.num_envs} games, got {len(seed)}")
         return seed
@@ -154,7 +159,10 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         return seed_sequence(seed)
 
     def _checked(self, actions: ArrayLike) -> NDArray[np.int64]:
-        array, most = np.asarray(actions), self.setup.keepers - 1
+        try:
+            array, most = np.asarray(actions), self.setup.keepers - 1
+        except ValueError as error:
+            raise InputError(f"actions must be {self.num_envs} integers, one per game: {error}") from None
         if array.shape != (self.num_envs,) or array.dtype.kind not in "iu":
             raise InputError(
                 f"actions must be integers of shape ({self.num_envs},), one per game, got {array.dtype} "
