@@ -193,3 +193,16 @@ def test_wrong_use_is_an_error() -> None:
         KeepawayVectorEnv(0)
     with pytest.raises(InputError, match="keepers must be an integer of at least 2"):
         KeepawayVectorEnv(2, keepers=1)
+
+
+def test_the_number_of_threads_changes_nothing() -> None:
+    one, three = (KeepawayVectorEnv(5, max_cycles=40, n_threads=threads) for threads in (1, 3))
+    before = [envs.reset(seed=3)[0] for envs in (one, three)]
+    np.testing.assert_array_equal(before[0]["location"], before[1]["location"])
+    for step in range(12):
+        actions = np.full(5, step % 3)
+        ours, theirs = (envs.step(actions) for envs in (one, three))
+        for name, array in ours[0].items():
+            np.testing.assert_array_equal(array, theirs[0][name])
+        for mine, other in zip(ours[1:4], theirs[1:4], strict=True):
+            np.testing.assert_array_equal(mine, other)

@@ -6,6 +6,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import pairwise
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
@@ -60,9 +63,11 @@ class Batch:
         What the games have in common.
     n_games : int
         How many there are; `begin` them first.
+    n_threads : int
+        How many threads play at the same time, each a share of the games; nothing depends on it.
     """
 
-    def __init__(self, setup: Setup, n_games: int) -> None:
+    def __init__(self, setup: Setup, n_games: int, n_threads: int = 1) -> None:
         self.setup = setup
         self.games = Games(*_repeated(new_games(setup, [np.random.SeedSequence(0)]), n_games))
         self._works = Work(*_repeated([array[None] for array in new_work(setup)], n_games))
@@ -77,6 +82,9 @@ class Batch:
             skipped=np.zeros(n_games, dtype=np.int64),
         )
         self._blank = blank_scenes(n_games, keepers, takers)
+        ends = np.linspace(0, n_games, min(n_threads, n_games) + 1).astype(np.int64).tolist()
+        self._shares = [slice(first, last) for first, last in pairwise(ends)]
+        self._pool = ThreadPoolExecutor(len(self._shares)) if len(self._shares) > 1 else None
 
     def __len__(self) -> int:
         """Return the number of games."""
@@ -122,11 +130,19 @@ class Batch:
         InputError
             If episode after episode ends before any keeper has the ball.
         """
-        if play_games(self.games, self._works, self.setup, actions, self.seen) >= MOST_REPLAYS:
+        play = partial(self._play_share, actions)
+        # A pool costs more than a few games take.
+        most = map(play, self._shares) if self._pool is None else self._pool.map(play, self._shares)
+        if max(most) >= MOST_REPLAYS:
             raise InputError(
                 f"{MOST_REPLAYS} episodes in a row ended before any keeper had the ball: choose a larger "
                 f"max_cycles than {self.setup.max_cycles}, or 0 for none"
             )
+
+    def _play_share(self, actions: NDArray[np.int64], share: slice) -> int:
+        games, works = Games(*_part(self.games, share)), Work(*_part(self._works, share))
+        seen = Seen(*_part(self.seen, share))
+        return play_games(games, works, self.setup, actions[share], seen)
 
     def observation(self) -> dict[str, NDArray[Any]]:
         """Return the padded scenes, arrays of length G."""
@@ -229,3 +245,7 @@ def _look(games: Games, g: int, setup: Setup, actor: int, work: Work, seen: Seen
 
 def _repeated(arrays: Sequence[NDArray[Any]], times: int) -> list[NDArray[Any]]:
     return [np.repeat(array, times, axis=0) for array in arrays]
+
+
+def _part(arrays: Sequence[NDArray[Any]], share: slice) -> list[NDArray[Any]]:
+    return [array[share] for array in arrays]

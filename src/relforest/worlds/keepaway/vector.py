@@ -34,8 +34,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     arrays of length ``num_envs``, and for each a mask named with ``_`` in front, which tells the games that
     have it, except for the scene: `scenes` makes those of all games at once. A game whose episode has ended
     begins another one in the next step: its action is then ignored, its reward 0
-    (``AutoresetMode.NEXT_STEP``). One call of a kernel plays all games, one after the other, in the calling
-    thread; it releases the GIL, so that several vector environments can play side by side.
+    (``AutoresetMode.NEXT_STEP``). The games are shared out between `n_threads` threads.
 
     Parameters
     ----------
@@ -43,6 +42,8 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         How many games.
     keepers, takers, size, perception, stuck_ball, max_cycles
         The rules of all games, see `KeepawayOptions`.
+    n_threads : int
+        How many threads play at the same time, at least 1; the result does not depend on it.
 
     Raises
     ------
@@ -77,6 +78,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         perception: str = "quantised",
         stuck_ball: int = 0,
         max_cycles: int = 0,
+        n_threads: int = 1,
     ) -> None:
         self.setup = KeepawayOptions(keepers, takers, size, perception, stuck_ball, max_cycles).setup()
         self.num_envs = at_least("num_envs", num_envs, 1)
@@ -84,7 +86,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         self.single_action_space = action_space(self.setup)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._batch = Batch(self.setup, self.num_envs)
+        self._batch = Batch(self.setup, self.num_envs, at_least("n_threads", n_threads, 1))
         self._begun = False
 
     @property
