@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
-from sklearn.base import BaseEstimator, ClassifierMixin
-from sklearn.utils.validation import check_is_fitted
 
-from relforest.scenes.bags import Bags, as_bags
-from relforest.scenes.labels import binary_labels
-from relforest.support.errors import InputError
+from relforest.mil.bag_classifier import InstanceClassifier
+from relforest.scenes.bags import Bags
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.volumes import CovAggSettings, Ellipsoid, aggregate
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-    from sklearn.utils import Tags
+    from numpy.typing import NDArray
 
 
 @final
-class CovAggClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class CovAggClassifier(InstanceClassifier):
     """Multiple-instance classifier with one covariant, ellipsoidal decision volume.
 
     Parameters
@@ -85,78 +81,17 @@ class CovAggClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  #
         self.sampled = sampled
         self.random_state = random_state
 
-    def fit(self, bags: object, y: ArrayLike) -> Self:
-        """Learn the decision volume.
-
-        Parameters
-        ----------
-        bags : bags in any of the accepted forms
-        y : array-like (n_bags,)
-            0/1, -1/+1, booleans or two strings.
-
-        Raises
-        ------
-        InputError
-            If bags or labels are malformed, or a parameter is out of range.
-        """
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         settings = CovAggSettings(
             self.window, self.prior_weight, self.max_condition, self.restarts, self.sampled
         )
-        data = as_bags(bags)
-        if y is None:
-            msg = "requires y to be passed, but the target y is None"
-            raise InputError(msg)
-        labels = binary_labels(y, len(data.bag_ids), what="bags")
         rng = generator(seed_sequence(self.random_state))
-        found = aggregate(data.points, data.starts, labels.positive, rng=rng, settings=settings)
+        found = aggregate(bags.points, bags.starts, positive, rng=rng, settings=settings)
         if found is None or not isinstance(found.volume, Ellipsoid):
             msg = "no volume was found although both classes are present; please report this"
             raise AssertionError(msg)
-        self.classes_ = labels.classes
-        self.n_features_in_ = data.points.shape[1]
         self.volume_ = found.volume
-        return self
 
-    def decision_function(self, bags: object) -> NDArray[np.float64]:
-        """Radius minus the witness's distance, (n_bags,): >= 0 for bags predicted positive."""
-        data, distances = self._distances(bags)
-        nearest: NDArray[np.float64] = np.minimum.reduceat(distances, data.starts[:-1])
-        return self.volume_.radius - nearest
-
-    def predict(self, bags: object) -> NDArray[Any]:
-        """Label of each bag, (n_bags,)."""
-        inside = self.decision_function(bags) >= 0.0
-        predicted: NDArray[Any] = self.classes_[inside.astype(np.int64)]
-        return predicted
-
-    def predict_instances(self, bags: object) -> list[NDArray[np.bool_]]:
-        """Which instances of each bag lie in the volume (eq. 3.3): one bool array per bag."""
-        data, distances = self._distances(bags)
-        inside = np.empty(len(distances), dtype=np.bool_)
-        # Instances come back in the caller's order within each bag.
-        inside[data.starts[:-1].repeat(np.diff(data.starts)) + data.order] = distances <= self.volume_.radius
-        return np.split(inside, data.starts[1:-1])
-
-    def witness(self, bags: object) -> NDArray[np.int64]:
-        """Row within each bag of its witness, the instance nearest to the volume (eq. 3.7); (n_bags,)."""
-        data, distances = self._distances(bags)
-        spans = zip(data.starts[:-1], data.starts[1:], strict=True)
-        nearest = [begin + int(np.argmin(distances[begin:end])) for begin, end in spans]
-        return np.asarray(data.order[nearest], dtype=np.int64)
-
-    def _distances(self, bags: object) -> tuple[Bags, NDArray[np.float64]]:
-        check_is_fitted(self)
-        data = as_bags(bags)
-        if data.points.shape[1] != self.n_features_in_:
-            msg = (
-                f"X has {data.points.shape[1]} features, but {type(self).__name__} is expecting "
-                f"{self.n_features_in_} features as input"
-            )
-            raise InputError(msg)
-        return data, self.volume_.distance(data.points)
-
-    def __sklearn_tags__(self) -> Tags:
-        """Binary only; the rest is scikit-learn's."""
-        tags = super().__sklearn_tags__()
-        tags.classifier_tags.multi_class = False
-        return tags
+    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Radius minus distance from the centre (eq. 3.3)."""
+        return self.volume_.radius - self.volume_.distance(points)

@@ -1,0 +1,125 @@
+"""What all classifiers of bags share: checked input, labels of two classes, scores with a threshold of 0."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.utils.validation import check_is_fitted
+
+from relforest.scenes.bags import Bags, as_bags
+from relforest.scenes.labels import binary_labels
+from relforest.support.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+    from sklearn.utils import Tags
+
+
+class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
+    """A binary classifier of bags of points in the scikit-learn manner.
+
+    A concrete class says how to learn (`_fit`) and how to score bags (`_bag_scores`).
+
+    Notes
+    -----
+    Bags may be a list of 2-D arrays, a tuple ``(X, bag_ids)`` whose labels follow the order in which
+    bags first appear, a 3-D array (n_bags, size, d), or a 2-D array with one instance per bag.
+    """
+
+    classes_: NDArray[Any]
+    n_features_in_: int
+
+    def fit(self, bags: object, y: ArrayLike) -> Self:
+        """Learn from labelled bags.
+
+        Parameters
+        ----------
+        bags : bags in any of the accepted forms
+        y : array-like (n_bags,)
+            0/1, -1/+1, booleans or two strings; the larger one is the positive class.
+
+        Raises
+        ------
+        InputError
+            If bags or labels are malformed, or a parameter is out of range.
+        """
+        data = as_bags(bags)
+        if y is None:
+            raise InputError("requires y to be passed, but the target y is None")
+        labels = binary_labels(y, len(data), what="bags")
+        self._fit(data, labels.positive)
+        self.classes_ = labels.classes
+        self.n_features_in_ = data.dim
+        return self
+
+    def decision_function(self, bags: object) -> NDArray[np.float64]:
+        """Score of each bag, (n_bags,): at least 0 for bags predicted positive."""
+        return self._bag_scores(self._checked(bags))
+
+    def predict(self, bags: object) -> NDArray[Any]:
+        """Label of each bag, (n_bags,)."""
+        positive = self.decision_function(bags) >= 0.0
+        predicted: NDArray[Any] = self.classes_[positive.astype(np.int64)]
+        return predicted
+
+    @abstractmethod
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+        """Learn from checked bags; `positive` (n_bags,) has both values."""
+
+    @abstractmethod
+    def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
+        """Score of each bag, (n_bags,): at least 0 where positive."""
+
+    def _checked(self, bags: object) -> Bags:
+        check_is_fitted(self)
+        data = as_bags(bags)
+        if data.dim != self.n_features_in_:
+            raise InputError(
+                f"X has {data.dim} features, but {type(self).__name__} is expecting "
+                f"{self.n_features_in_} features as input"
+            )
+        return data
+
+    def __sklearn_tags__(self) -> Tags:
+        """Binary only; the rest is scikit-learn's."""
+        tags = super().__sklearn_tags__()
+        tags.classifier_tags.multi_class = False
+        return tags
+
+
+class InstanceClassifier(BagClassifier):
+    """A classifier of instances that calls a bag positive if any of its instances is (eq. 3.1).
+
+    A concrete class scores instances (`_instance_scores`). A bag has the score of its best instance, its
+    witness, unless the class has another rule.
+
+    References
+    ----------
+    Palmer (2015), section 3.1.
+    """
+
+    def decision_instances(self, bags: object) -> list[NDArray[np.float64]]:
+        """Score of each instance, at least 0 where positive: one array per bag, in the bag's order."""
+        data = self._checked(bags)
+        scores = np.empty(len(data.points))
+        scores[data.starts[:-1].repeat(data.counts) + data.order] = self._instance_scores(data.points)
+        return np.split(scores, data.starts[1:-1])
+
+    def predict_instances(self, bags: object) -> list[NDArray[np.bool_]]:
+        """Which instances of each bag are positive: one bool array per bag, in the bag's order."""
+        return [scores >= 0.0 for scores in self.decision_instances(bags)]
+
+    def witness(self, bags: object) -> NDArray[np.int64]:
+        """Row within each bag of its witness, the instance with the largest score; (n_bags,)."""
+        return np.array([np.argmax(scores) for scores in self.decision_instances(bags)], dtype=np.int64)
+
+    @abstractmethod
+    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Score of each of the points (n, d), (n,): at least 0 where positive."""
+
+    def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
+        best: NDArray[np.float64] = np.maximum.reduceat(self._instance_scores(bags.points), bags.starts[:-1])
+        return best
