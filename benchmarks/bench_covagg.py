@@ -43,7 +43,7 @@ class Case:
 def covariant(seed: int) -> Problem:
     """Covariant 1 of Palmer (2015), Table 3.1, in the reading that reproduces the source."""
     bags = covariant1(np.random.default_rng(seed))
-    return flat(bags.points, bags.labels, seed)
+    return flat(np.stack(bags.bags), bags.labels, seed)
 
 
 def clustered(n_bags: int, size: int, dim: int) -> Callable[[int], Problem]:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import math
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 from relforest.support import files
 from relforest.support.errors import InputError, ModelFormatError
 
+PACKED = gzip.compress(b"a,b")
 HEAD = {"format": "relforest-tree", "version": 1}
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)
@@ -385,3 +387,38 @@ def test_a_json_document_is_plain_json_to_others(tmp_path: Path) -> None:
     files.write_json(tmp_path / "model.json", {**HEAD, "leaves": [0.25, 0.75]})
 
     assert json.loads((tmp_path / "model.json").read_text()) == {**HEAD, "leaves": [0.25, 0.75]}
+
+
+def test_inputs_are_read_as_they_are(tmp_path: Path) -> None:
+    (tmp_path / "table").write_bytes(b"\x00a,b")
+    assert files.read_input(tmp_path / "table") == b"\x00a,b"
+
+
+def test_inputs_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "large").write_bytes(bytes(11))
+    with pytest.raises(InputError, match="large is larger than the 10 bytes allowed; check the path"):
+        files.read_input(tmp_path / "large", max_bytes=10)
+    with pytest.raises(InputError, match="none cannot be read: No such file or directory; check the path"):
+        files.read_input(tmp_path / "none")
+    with pytest.raises(InputError, match="it is not a regular file; check the path"):
+        files.read_input(tmp_path)
+
+
+def test_what_is_compressed_is_unpacked_and_the_rest_left_alone() -> None:
+    assert files.unpacked(gzip.compress(b"a,b") + gzip.compress(b",c"), "table") == b"a,b,c"
+    assert files.unpacked(b"a,b", "table.gz") == b"a,b"
+    assert files.unpacked(b"", "table") == b""
+
+
+@pytest.mark.parametrize(
+    "damaged", [gzip.compress(b"a,b")[:-1], gzip.compress(b"a,b")[:-8] + bytes(8), b"\x1f\x8b"]
+)
+def test_damaged_compression_is_refused(damaged: bytes) -> None:
+    with pytest.raises(InputError, match="table is damaged: it cannot be unpacked with gzip"):
+        files.unpacked(damaged, "table")
+
+
+def test_what_unpacks_to_too_much_is_refused() -> None:
+    assert files.unpacked(gzip.compress(bytes(10)), "table", max_bytes=10) == bytes(10)
+    with pytest.raises(InputError, match="table unpacks to more than the 10 bytes allowed"):
+        files.unpacked(gzip.compress(bytes(11)), "table", max_bytes=10)

@@ -90,7 +90,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         return tags
 
 
-class InstanceClassifier(BagClassifier):
+class InstanceClassifier(BagClassifier, ABC):
     """A classifier of instances that calls a bag positive if any of its instances is (eq. 3.1).
 
     A concrete class scores instances (`_instance_scores`). A bag has the score of its best instance, its

@@ -17,3 +17,7 @@ class ModelFormatError(RelforestError, ValueError):
 
 class RunFolderError(RelforestError, RuntimeError):
     """A run folder is in use by another process, belongs to something else, or is damaged."""
+
+
+class DataError(RelforestError, OSError):
+    """The file of a published data set is missing, cannot be fetched or is not the right one."""

@@ -7,6 +7,7 @@ before it is used.
 
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import math
@@ -30,6 +31,7 @@ from numpy.typing import NDArray
 from relforest.support.errors import InputError, ModelFormatError
 
 MAX_BYTES = 256 * 2**20
+MAX_INPUT_BYTES = 2**31
 MAX_DEPTH = 64
 
 # Fixed, so that equal arrays give equal bytes whenever they are written.
@@ -267,6 +269,49 @@ def read_npz(
         raise
     except _BROKEN_ARCHIVE as error:
         raise ModelFormatError(f"{path} is not a readable archive of arrays: {error}") from error
+
+
+def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
+    """Return what a file of the user's holds, in whatever format; see also `unpacked`.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, not a regular file or too large.
+    """
+    try:
+        return _read_regular_file(path, max_bytes)
+    except ModelFormatError as error:
+        raise InputError(f"{error}; check the path") from error
+
+
+def unpacked(data: bytes, origin: str, *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
+    """Return the content of a file, unpacked if it is compressed with gzip.
+
+    Parameters
+    ----------
+    data : bytes
+        What the file holds; whether it is compressed is told from this, not from a name.
+    origin : str
+        Where the data came from, for messages.
+    max_bytes : int
+        Data that are larger when unpacked are refused.
+
+    Raises
+    ------
+    InputError
+        If unpacking fails or gives too much.
+    """
+    if not data.startswith(b"\x1f\x8b"):
+        return data
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+            content = file.read(max_bytes + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(f"{origin} is damaged: it cannot be unpacked with gzip ({error})") from error
+    if len(content) > max_bytes:
+        raise InputError(f"{origin} unpacks to more than the {max_bytes} bytes allowed")
+    return content
 
 
 def append_line(path: str | os.PathLike[str], text: str) -> None:

@@ -41,7 +41,7 @@ def compute(setting: CovAggSetting, place: Place) -> list[Row]:
         rng = generator(stream(place.stream, pair, _DATA))
         train, test = draw(rng, setting.n_bags), draw(rng, setting.n_bags)
         learner = CovAggClassifier(random_state=stream(place.stream, pair, _LEARNING))
-        predicted = learner.fit(train.points, train.labels).predict(test.points)
+        predicted = learner.fit(train.bags, train.labels).predict(test.bags)
         rows.append(
             {"data_set": setting.data_set, "pair": pair, "pss": peirce_skill_score(test.labels, predicted)}
         )

@@ -1,4 +1,4 @@
-"""The synthetic bags of points of Palmer (2015), section 3.3.1, Table 3.1.
+"""The synthetic bags in the plane of Palmer (2015), section 3.3.1, Table 3.1; `color` is in its own module.
 
 Half of the bags are positive. A positive bag holds exactly one point of a positive distribution, at a random
 place among points of the negative distribution; a negative bag holds points of the negative distribution
@@ -7,43 +7,22 @@ only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, Literal, final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.datasets.bag_set import BagSet
+from relforest.datasets.planting import plant
 from relforest.support.options import at_least, one_of
 
-__all__ = ["BagSet", "covariant1", "covariant2", "disjunctive"]
+__all__ = ["covariant1", "covariant2", "disjunctive"]
 
 # Square root of [[.52, .48], [.48, .52]]: standard deviations 1 along (1, 1) and 1/5 along (1, -1).
 _DIAGONAL_ROOT: Final = np.array([[0.6, 0.4], [0.4, 0.6]])
 _SMALL_BAG: Final = 3
 _LARGE_BAG: Final = 10
 _NEGATIVE_MEANS: Final = {"sqrt2": np.sqrt(2.0), "printed": 2.0}
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class BagSet:
-    """Bags of equal size with a label each.
-
-    Attributes
-    ----------
-    points : (n_bags, size, d) float64
-        The points of every bag; read-only.
-    labels : (n_bags,) bool
-        Whether a bag is positive; read-only.
-    """
-
-    points: NDArray[np.float64]
-    labels: NDArray[np.bool_]
-
-    def __post_init__(self) -> None:
-        """Make the arrays read-only."""
-        self.points.flags.writeable = False
-        self.labels.flags.writeable = False
 
 
 def covariant1(
@@ -64,7 +43,7 @@ def covariant1(
     Returns
     -------
     BagSet
-        ``points`` has shape (n_bags, 3, 2).
+        Bags of shape (3, 2).
 
     Raises
     ------
@@ -85,7 +64,7 @@ def covariant1(
     n_bags = at_least("n_bags", n_bags, 2)
     sides = rng.choice([-1.0, 1.0], size=(n_bags, _SMALL_BAG, 1))
     negatives = rng.standard_normal((n_bags, _SMALL_BAG, 2)) + sides * np.array([offset, -offset])
-    return _hide(rng, _diagonal(rng, n_bags), negatives)
+    return plant(rng, _diagonal(rng, n_bags), negatives)
 
 
 def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
@@ -101,7 +80,7 @@ def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     Returns
     -------
     BagSet
-        ``points`` has shape (n_bags, 3, 2).
+        Bags of shape (3, 2).
 
     Raises
     ------
@@ -118,7 +97,7 @@ def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     """
     n_bags = at_least("n_bags", n_bags, 2)
     negatives = rng.standard_normal((n_bags, _SMALL_BAG, 2))
-    return _hide(rng, _diagonal(rng, n_bags), negatives)
+    return plant(rng, _diagonal(rng, n_bags), negatives)
 
 
 def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
@@ -134,7 +113,7 @@ def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     Returns
     -------
     BagSet
-        ``points`` has shape (n_bags, 10, 2).
+        Bags of shape (10, 2).
 
     Raises
     ------
@@ -153,19 +132,9 @@ def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     negatives = rng.standard_normal((n_bags, _LARGE_BAG, 2))
     sides = rng.choice([-1.0, 1.0], size=(n_bags, 1))
     positives = np.sqrt(0.5) * rng.standard_normal((n_bags, 2)) + sides * np.array([3.0, 0.0])
-    return _hide(rng, positives, negatives)
+    return plant(rng, positives, negatives)
 
 
 def _diagonal(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
     points: NDArray[np.float64] = rng.standard_normal((n, 2)) @ _DIAGONAL_ROOT
     return points
-
-
-def _hide(rng: np.random.Generator, positives: NDArray[np.float64], bags: NDArray[np.float64]) -> BagSet:
-    """Label half of the bags positive and put one positive point into each of those."""
-    n_bags, size, _ = bags.shape
-    labels = np.arange(n_bags) < n_bags // 2
-    rng.shuffle(labels)
-    places = rng.integers(size, size=(n_bags,))
-    bags[labels, places[labels]] = positives[labels]
-    return BagSet(bags, labels)

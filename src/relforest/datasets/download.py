@@ -1,0 +1,115 @@
+"""The files of published data sets: from a folder of the user's, the cache, or a web address.
+
+Which of the three a file comes from makes no difference: its SHA-256 hash is known.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import pooch
+
+from relforest.support.errors import DataError, InputError
+from relforest.support.files import read_input
+
+__all__ = ["DATA_VARIABLE", "URL_VARIABLE", "data_file"]
+
+DATA_VARIABLE: Final = "RELFOREST_DATA"
+URL_VARIABLE: Final = "RELFOREST_DATA_URL"
+_SUBFOLDER: Final = "mil"
+_TIMEOUT_S: Final = 30
+
+
+def data_file(
+    name: str,
+    registry: Mapping[str, str],
+    *,
+    data_home: str | os.PathLike[str] | None = None,
+    base_url: str | None = None,
+    source: str,
+) -> tuple[Path, bytes]:
+    """Find a file of the registry, or download it into the cache.
+
+    Parameters
+    ----------
+    name : str
+        The file.
+    registry : mapping of str to str
+        SHA-256 hashes, in hexadecimal digits, of files by name.
+    data_home : path, optional
+        The cache; by default a folder ``relforest`` among the user's caches.
+    base_url : str, optional
+        Address of the folder that holds the file, http or https; by default that of the environment variable
+        ``RELFOREST_DATA_URL``, if it is set.
+    source : str
+        Where the data come from, for messages.
+
+    Returns
+    -------
+    path : Path
+        Where the file is: ``mil/NAME`` or ``NAME`` in the folder of the environment variable
+        ``RELFOREST_DATA``, if that is set and has it, or else the cache.
+    content : bytes
+        What the file holds; its hash is the right one.
+
+    Raises
+    ------
+    DataError
+        If the file is nowhere and there is no address, the download fails, or the hash is wrong.
+    """
+    expected = registry[name]
+    local = _local_folders()
+    for path in (folder / name for folder in local):
+        if path.is_file():
+            return path, _checked(path, expected, f"replace it by the right file, or unset {DATA_VARIABLE}")
+    cache = Path(pooch.os_cache("relforest") if data_home is None else data_home).expanduser()
+    url = base_url or os.environ.get(URL_VARIABLE)
+    path = cache / name
+    if url:
+        _download(name, registry, cache, url)
+    elif not path.is_file():
+        looked = ", ".join(map(str, (*local, cache)))
+        raise DataError(
+            f"{name} was not found (looked in {looked}): set the environment variable {DATA_VARIABLE} "
+            f"to a folder that holds {_SUBFOLDER}/{name}, or give an address to download from as base_url or "
+            f"in {URL_VARIABLE}. Source of the data: {source}"
+        )
+    return path, _checked(path, expected, f"delete it and fetch it again with base_url or {URL_VARIABLE}")
+
+
+def _local_folders() -> tuple[Path, ...]:
+    named = os.environ.get(DATA_VARIABLE)
+    return (Path(named).expanduser() / _SUBFOLDER, Path(named).expanduser()) if named else ()
+
+
+def _download(name: str, registry: Mapping[str, str], cache: Path, url: str) -> None:
+    """Bring a file into the cache unless it is there already, whole and right."""
+    if not url.startswith(("http://", "https://")):
+        raise DataError(f"the address {url!r} must begin with http:// or https://")
+    fetcher = pooch.create(cache, f"{url.rstrip('/')}/", registry=dict(registry))
+    try:
+        fetcher.fetch(name, downloader=pooch.HTTPDownloader(timeout=_TIMEOUT_S))
+    # What requests raises is an OSError; a wrong hash is a ValueError.
+    except (OSError, ValueError) as error:
+        raise DataError(
+            f"{name} could not be downloaded from {url} into {cache}: {error} Check the address "
+            f"({URL_VARIABLE} or base_url), the connection and the folder, or set {DATA_VARIABLE} to a "
+            f"folder with {_SUBFOLDER}/{name}."
+        ) from error
+
+
+def _checked(path: Path, expected: str, remedy: str) -> bytes:
+    try:
+        content = read_input(path)
+    except InputError as error:
+        raise DataError(str(error)) from error
+    found = hashlib.sha256(content).hexdigest()
+    if found != expected:
+        raise DataError(
+            f"{path} is not the published file: its SHA-256 hash is {found}, expected is {expected}; {remedy}"
+        )
+    return content

@@ -1,0 +1,188 @@
+"""Weka's multi-instance ARFF: each data row holds a bag's name, its instances as one quoted text, its label.
+
+SciPy's reader of the format knows relational attributes, but guesses quoting from the first row, has no text
+attributes and says not where a file is wrong.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.datasets.bag_set import BagSet
+from relforest.datasets.readers.arff_lines import Attribute, parse_attribute, split_fields, split_statement
+from relforest.datasets.readers.fields import FieldError, at_line, number, positive_labels, read_text
+from relforest.support.errors import InputError
+
+__all__ = ["BagRelation", "read_arff", "read_relation"]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BagRelation:
+    """What the head of a multi-instance ARFF file declares.
+
+    Attributes
+    ----------
+    features : tuple of Attribute
+        The attributes of an instance, numeric or nominal.
+    label : Attribute
+        The class, the last attribute of a bag.
+    """
+
+    features: tuple[Attribute, ...]
+    label: Attribute
+
+
+def read_arff(path: str | os.PathLike[str], *, positive: str | None = None) -> BagSet:
+    r"""Read bags from a relational ARFF file, Weka's format of multi-instance data.
+
+    Parameters
+    ----------
+    path : path
+        The file; it may be compressed with gzip.
+    positive : str, optional
+        The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true.
+
+    Returns
+    -------
+    BagSet
+        In the order of the file. A nominal attribute of instances becomes one component per declared value, 1
+        where the instance has it and 0 elsewhere.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, does not declare a name, a relational attribute and a class, in this
+        order, or holds what cannot be used: a missing value, a number that is none, an undeclared value, a
+        sparse or a weighted row, an empty bag, attributes of instances that are text or dates. The message
+        names the line.
+
+    Notes
+    -----
+    ::
+
+        @relation example
+        @attribute molecule {a,b}
+        @attribute bag relational
+          @attribute f1 numeric
+          @attribute f2 {x,y}
+        @end bag
+        @attribute class {0,1}
+        @data
+        a,"1.5,x\n2,y",1
+        b,"0.5,x",0
+    """
+    return read_relation(path, positive=positive)[1]
+
+
+def read_relation(path: str | os.PathLike[str], *, positive: str | None = None) -> tuple[BagRelation, BagSet]:
+    """Return what the file declares beside the bags; see `read_arff`."""
+    lines = enumerate(read_text(path).split("\n"), start=1)
+    relation = _read_head(lines, path)
+    ids: dict[str, int] = {}
+    labels: list[str] = []
+    bags: list[NDArray[np.float64]] = []
+    for line_number, line in lines:
+        with at_line(path, line_number):
+            fields = split_fields(line)
+            if not fields:
+                continue
+            if len(fields) != 3:
+                raise FieldError(
+                    f"there are {len(fields)} values, but a name, a bag and a label are declared"
+                )
+            name, instances, label = fields
+            if name in ids:
+                raise FieldError(f"bag {name!r} stands on line {ids[name]} already: give it another name")
+            if relation.label.values and label not in relation.label.values:
+                raise FieldError(f"the label {label!r} is not declared: add it to the class or correct it")
+            ids[name] = line_number
+            labels.append(label)
+            bags.append(_points(instances, relation.features))
+    if not bags:
+        raise InputError(f"{path} holds no bags below @data")
+    is_positive = positive_labels(labels, positive, str(path))
+    return relation, BagSet(bags, is_positive, np.array(list(ids), dtype=object))
+
+
+def _read_head(lines: Iterator[tuple[int, str]], path: str | os.PathLike[str]) -> BagRelation:
+    """Read up to the line ``@data``."""
+    outer: list[Attribute] = []
+    relational: Attribute | None = None
+    for line_number, line in lines:
+        with at_line(path, line_number):
+            keyword, rest = split_statement(line)
+            if keyword == "@data" and relational is None:
+                return _bag_relation(outer)
+            if keyword == "@attribute":
+                attribute = parse_attribute(rest)
+                if relational is not None:
+                    relational = replace(relational, members=(*relational.members, attribute))
+                elif attribute.kind == "relational":
+                    relational = attribute
+                else:
+                    outer.append(attribute)
+            elif keyword == "@end" and relational is not None:
+                outer.append(relational)
+                relational = None
+            elif keyword not in {"", "@relation"}:
+                raise FieldError(
+                    f"{keyword!r} cannot stand here: the head has lines @relation, @attribute, @end (which "
+                    "closes a relational attribute) and @data"
+                )
+    raise InputError(f"{path} has no line @data: it is no ARFF file, or cut off")
+
+
+def _bag_relation(declared: list[Attribute]) -> BagRelation:
+    if [attribute.kind == "relational" for attribute in declared] != [False, True, False]:
+        listed = ", ".join(f"{attribute.name!r} ({attribute.kind})" for attribute in declared) or "none"
+        raise FieldError(
+            "bags need three attributes, a name, a relational one that holds the instances, and a class; "
+            f"declared are {listed}. For a flat table save it as CSV and use read_csv"
+        )
+    features = declared[1].members
+    odd = next((member for member in features if member.kind not in {"numeric", "nominal"}), None)
+    if odd is not None:
+        raise FieldError(
+            f"attribute {odd.name!r} of the instances is of type {odd.kind}: only numeric and nominal ones "
+            "can be used, so remove it"
+        )
+    if not features:
+        raise FieldError(f"the relational attribute {declared[1].name!r} has no attributes")
+    return BagRelation(features, declared[2])
+
+
+def _points(text: str, features: Sequence[Attribute]) -> NDArray[np.float64]:
+    """Return the instances of a bag, (n, d)."""
+    rows = [fields for fields in map(split_fields, text.split("\n")) if fields]
+    if not rows:
+        raise FieldError("the bag has no instances: leave it out or fill it")
+    return np.array(
+        [_components(row_number, fields, features) for row_number, fields in enumerate(rows, start=1)]
+    )
+
+
+def _components(row_number: int, fields: Sequence[str], features: Sequence[Attribute]) -> list[float]:
+    if len(fields) != len(features):
+        raise FieldError(f"instance {row_number} has {len(fields)} values, but {len(features)} are declared")
+    components: list[float] = []
+    for field, attribute in zip(fields, features, strict=True):
+        try:
+            components += (
+                [number(field)] if attribute.kind == "numeric" else _indicators(field, attribute.values)
+            )
+        except FieldError as error:
+            raise FieldError(f"instance {row_number}, attribute {attribute.name!r}: {error}") from error
+    return components
+
+
+def _indicators(field: str, values: tuple[str, ...]) -> list[float]:
+    if field not in values:
+        raise FieldError(f"the value {field!r} is not declared: add it to the attribute or correct it")
+    return [float(field == value) for value in values]

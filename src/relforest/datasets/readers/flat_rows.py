@@ -1,0 +1,70 @@
+"""Files with one row per instance, in whatever notation: rows that name their bag become bags."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from relforest.datasets.bag_set import BagSet
+from relforest.datasets.readers.fields import FieldError, at_line, positive_labels
+from relforest.support.errors import InputError
+
+__all__ = ["Row", "gather"]
+
+
+class Row(NamedTuple):
+    """An instance.
+
+    Attributes
+    ----------
+    line : int
+        Where it stands in the file, from 1.
+    bag, label : str
+        Its bag and the label of that.
+    point : list of d float
+    """
+
+    line: int
+    bag: str
+    label: str
+    point: list[float]
+
+
+def gather(rows: Iterable[Row], positive: str | None, origin: str) -> BagSet:
+    """Group instances by their bag; bags come in the order of their first instance.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+        The rows of a bag may be anywhere; all have points of the same length.
+    positive : str or None
+        The label of positive bags, if it is not plain.
+    origin : str
+        The file, for messages.
+
+    Raises
+    ------
+    InputError
+        If there are no rows, a bag has no name or two labels, or labels are unclear.
+    """
+    ids: list[str] = []
+    label_of: dict[str, str] = {}
+    points = []
+    for row in rows:
+        with at_line(origin, row.line):
+            if not row.bag:
+                raise FieldError("the bag has no name: give every row one")
+            first = label_of.setdefault(row.bag, row.label)
+            if first != row.label:
+                raise FieldError(
+                    f"bag {row.bag!r} is labelled {row.label!r} here and {first!r} above: all rows of a bag "
+                    "need its label"
+                )
+        ids.append(row.bag)
+        points.append(np.array(row.point))
+    if not points:
+        raise InputError(f"{origin} holds no instances")
+    labels = positive_labels([label_of[bag] for bag in ids], positive, origin)
+    return BagSet.from_instances(np.array(points), ids, labels)

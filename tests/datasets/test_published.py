@@ -1,0 +1,146 @@
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from datasets.few_molecules import DATA, assert_few_molecules
+from relforest import datasets
+from relforest.datasets import CATALOGUE, About, fetch, load_east_west
+from relforest.datasets.catalogue import SHA256, file_name
+from relforest.datasets.published import read_published
+from relforest.support.errors import DataError, InputError
+
+FEW = About(
+    name="few_molecules",
+    title="Few molecules",
+    n_bags=4,
+    n_positive=2,
+    n_instances=7,
+    n_features=2,
+    source="made up",
+    licence="that of this package",
+    literature="none",
+    notes="",
+)
+REGISTRY = {"few_molecules.csv.gz": sha256((DATA / "few_molecules.csv.gz").read_bytes()).hexdigest()}
+
+# Counts of the literature: bags, positive bags, instances, features.
+COUNTS = {
+    "musk1": (92, 47, 476, 166),
+    "musk2": (102, 39, 6598, 166),
+    "elephant": (200, 100, 1391, 230),
+    "fox": (200, 100, 1320, 230),
+    "tiger": (200, 100, 1220, 230),
+    "mutagenesis_atoms": (188, 125, 1618, 10),
+    "mutagenesis_bonds": (188, 125, 3995, 16),
+    "mutagenesis_chains": (188, 125, 5349, 24),
+    "thioredoxin": (193, 25, 26611, 8),
+}
+
+
+@pytest.fixture
+def local_data(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The folder with the files, seen from wherever the tests were started."""
+    folder = os.environ.get("RELFOREST_DATA")
+    if not folder:
+        pytest.skip("the data sets are not part of the package: set RELFOREST_DATA to read them")
+    monkeypatch.setenv("RELFOREST_DATA", str(Path(folder).absolute()))
+    monkeypatch.delenv("RELFOREST_DATA_URL", raising=False)
+
+
+def test_every_set_has_a_hash_a_function_and_its_counts() -> None:
+    assert set(CATALOGUE) == set(COUNTS)
+    assert set(SHA256) == {file_name(name) for name in COUNTS}
+    for name, about in CATALOGUE.items():
+        assert about.name == name
+        assert (about.n_bags, about.n_positive, about.n_instances, about.n_features) == COUNTS[name]
+        assert about.source
+        assert about.licence
+        assert callable(getattr(datasets, f"fetch_{name}"))
+
+
+@pytest.mark.usefixtures("local_data")
+@pytest.mark.parametrize("name", COUNTS)
+def test_the_published_sets_are_as_the_literature_counts_them(name: str) -> None:
+    data = getattr(datasets, f"fetch_{name}")()
+    assert (len(data), data.n_positive, data.n_instances, data.n_features) == COUNTS[name]
+    assert data.about == CATALOGUE[name]
+    assert all(isinstance(bag_id, str) for bag_id in data.bag_ids)
+
+
+@pytest.mark.usefixtures("local_data")
+def test_single_values_of_musk_are_those_of_the_repository() -> None:
+    # The first line of clean1.data: MUSK-188, conformation 188_1+1.
+    musk = datasets.fetch_musk1()
+    assert musk.bags[0][0, :5].tolist() == [42, -198, -109, -75, -117]
+    assert bool(musk.labels[0])
+    assert {len(bag) for bag in datasets.fetch_musk2().bags} >= {1, 1044}
+
+
+def test_a_local_file_is_read_and_described(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RELFOREST_DATA", str(DATA))
+    found = read_published(FEW, REGISTRY, data_home=None, base_url=None)
+    assert_few_molecules(found)
+    assert found.about == FEW
+
+
+def test_other_counts_than_known_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RELFOREST_DATA", str(DATA))
+    with pytest.raises(
+        DataError, match="not Few molecules: it holds 4 bags instead of 5, 7 instances instead"
+    ):
+        read_published(replace(FEW, n_bags=5, n_instances=9), REGISTRY, data_home=None, base_url=None)
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_missing_data_are_named_with_their_source(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RELFOREST_DATA", str(tmp_path))
+    monkeypatch.delenv("RELFOREST_DATA_URL", raising=False)
+    with pytest.raises(DataError) as error:
+        getattr(datasets, f"fetch_{name}")(data_home=tmp_path / "cache")
+    assert str(error.value).startswith(
+        f"{name}.csv.gz was not found (looked in {tmp_path / 'mil'}, {tmp_path}, "
+    )
+    assert str(error.value).endswith(CATALOGUE[name].source)
+
+
+def test_unknown_names_are_refused() -> None:
+    with pytest.raises(InputError, match="name must be one of 'musk1', 'musk2'"):
+        fetch("musk3")
+
+
+def trains(n_bags: int, n_instances: int) -> str:
+    """A file in the shape of Weka's East-West data, half of whose trains go east."""
+    features = "".join(f"@attribute f{number} {{no,yes}}\n" for number in range(24))
+    head = f"@relation t\n@attribute id string\n@attribute bag relational\n{features}@end bag\n"
+    cars = ",".join(["yes"] + ["no"] * 23)
+    sizes = [n_instances // n_bags + (number < n_instances % n_bags) for number in range(n_bags)]
+    bags = ["\\n".join([cars] * size) for size in sizes]
+    rows = "".join(f't{number},"{bag}",{"we"[number % 2]}\n' for number, bag in enumerate(bags))
+    return f"{head}@attribute class {{w,e}}\n@data\n{rows}"
+
+
+def test_east_west_is_read_from_the_users_file(tmp_path: Path) -> None:
+    path = tmp_path / "eastWest.arff"
+    path.write_text(trains(20, 213), encoding="utf-8")
+    data = load_east_west(path, positive="e")
+    assert (len(data), data.n_positive, data.n_instances) == (20, 10, 213)
+    # 24 attributes of two values each.
+    assert data.n_features == 48
+    assert data.about is not None
+    assert data.about.title == "East-West"
+
+
+def test_another_file_is_not_east_west(tmp_path: Path) -> None:
+    path = tmp_path / "eastWest.arff"
+    path.write_text(trains(20, 63), encoding="utf-8")
+    with pytest.raises(DataError, match="is not East-West: it holds 63 instances instead of 213"):
+        load_east_west(path, positive="e")
+    with pytest.raises(DataError, match=r"4 bags instead of 20.*2 attributes instead of 24"):
+        load_east_west(DATA / "few_molecules.arff")
