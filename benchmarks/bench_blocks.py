@@ -15,7 +15,7 @@ from table import Cell, Table
 
 from relforest.worlds.blocks.command import Command, run_command
 from relforest.worlds.blocks.env import BlocksEnv, arch_env, color_grouping_env, high_towers_env
-from relforest.worlds.blocks.noise import Noise
+from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.policies import make_policy
 from relforest.worlds.blocks.simulation import BlocksSimulation
 
@@ -29,7 +29,7 @@ EPISODES = 40
 REPEATS = 3
 CALIBRATION = 100_000
 
-NOISE = Noise()
+HANDLING = Handling()
 
 
 @dataclass
@@ -117,7 +117,7 @@ def replay(env: BlocksEnv, commands: Sequence[Command], seed: int) -> None:
     sim = BlocksSimulation(rng)
     sim.drop(env.task.blocks(rng, env.n_blocks, sim.next_id), turned=env.task.turned)
     for command in commands:
-        run_command(sim, command, noise=NOISE, overlap="original")
+        run_command(sim, command, HANDLING)
 
 
 def speed(work: Callable[[int], object]) -> Speed:

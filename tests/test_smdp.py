@@ -90,6 +90,29 @@ def test_decision_converts_lists_and_narrow_types() -> None:
     np.testing.assert_array_equal(decision.objects, [[0.0, 1.0], [2.0, 3.0]])
 
 
+def test_the_last_objects_may_be_private() -> None:
+    assert (make().n_private, make().n_shared) == (0, 2)
+    decision = make(n_private=np.int64(1))
+    assert (decision.n_objects, decision.n_private, decision.n_shared) == (2, 1, 1)
+    assert type(decision.n_private) is int
+    check_decision(decision, SCHEMA, TYPES)
+    assert make(n_private=2).n_shared == 0
+
+
+@pytest.mark.parametrize(
+    ("n_private", "message"),
+    [
+        (3, "n_private must be at most 2, the number of objects, got 3"),
+        (-1, "n_private must be an integer of at least 0, got -1"),
+        (1.0, "n_private must be an integer"),
+        (True, "n_private must be an integer"),
+    ],
+)
+def test_no_more_objects_are_private_than_there_are(n_private: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make(n_private=n_private)
+
+
 def test_decision_may_offer_no_action() -> None:
     empty = make(types=[], arguments=np.empty((0, 2)), indices=[])
     assert len(empty) == 0

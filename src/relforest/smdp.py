@@ -9,7 +9,8 @@ Conventions of the Gymnasium face of a world
 --------------------------------------------
 - The action space is a flat ``Discrete`` space; `Decision.indices` names the members that are available, and
   ``info["action_mask"]`` (int8 over the whole space) marks the same ones.
-- ``info["scene"]`` is a `relforest.Scenes` of length 1: the objects of the state, no arguments bound.
+- ``info["scene"]`` is a `relforest.Scenes` of length 1: the objects of the state, no arguments bound and no
+  private ones (see `Decision`).
 - ``info["duration"]``, after a step, is how long the action took in the world's units of time, finite and not
   negative. It is 0 where another agent must choose at the same moment, before any time passes.
 - The reward of ``env.step`` is the undiscounted total inside the action; ``info["discounted_reward"]`` is
@@ -29,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
+from relforest.support.options import at_least
 
 if TYPE_CHECKING:
     from relforest.scenes import Schema
@@ -118,6 +120,10 @@ class Action:
 class Decision:
     """The objects of a state and the ground actions available in it.
 
+    The scene of an action, which is what learners see of it, holds the objects that all actions share and of
+    the private ones those that the action binds. A virtual object, which stands for a place that an action
+    may aim at, is private: of all the places that could be aimed at, an action knows its own.
+
     Letters: n objects, w columns of the schema, m actions, k the largest arity among the world's action
     types. Construction checks types and shapes only, because worlds build one decision per step;
     `check_decision` checks the values against the world.
@@ -133,22 +139,30 @@ class Decision:
         the arity of the action type.
     indices : (m,) int64
         The action's number in the flat ``Discrete`` space.
+    n_private : int
+        How many of the objects, counted from the last row, are private. A private object that no action binds
+        belongs to no scene.
 
     Raises
     ------
     InputError
         If an array has the wrong number of dimensions, a type that cannot be cast safely, or a length that
-        disagrees with the others.
+        disagrees with the others, or ``n_private`` is not from 0 to n.
 
     Notes
     -----
     The arrays become read-only views. At a terminal state there may be no action.
+
+    References
+    ----------
+    Palmer (2015), section 6.5 (virtual objects).
     """
 
     objects: NDArray[np.float64]
     types: NDArray[np.int64]
     arguments: NDArray[np.int64]
     indices: NDArray[np.int64]
+    n_private: int = 0
 
     def __post_init__(self) -> None:
         for name, dtype, ndim in _COLUMNS:
@@ -166,6 +180,12 @@ class Decision:
                 "types, arguments and indices must have one entry per action, "
                 f"got {len(self.types)}, {len(self.arguments)} and {len(self.indices)}"
             )
+        if self.n_private:
+            object.__setattr__(self, "n_private", at_least("n_private", self.n_private, 0))
+        if self.n_private > len(self.objects):
+            raise InputError(
+                f"n_private must be at most {len(self.objects)}, the number of objects, got {self.n_private}"
+            )
 
     def __len__(self) -> int:
         """Return the number of available actions."""
@@ -173,8 +193,13 @@ class Decision:
 
     @property
     def n_objects(self) -> int:
-        """Number of objects in the state."""
+        """Number of objects, shared and private."""
         return len(self.objects)
+
+    @property
+    def n_shared(self) -> int:
+        """Number of objects that belong to the scene of every action: the first rows."""
+        return len(self.objects) - self.n_private
 
     def action(self, position: int) -> Action:
         """Return the available action at `position` (0 <= position < len) as a structured value.

@@ -11,7 +11,7 @@ from gymnasium import spaces
 from relforest.mappings import Mapping
 from relforest.rl.experience import Experience
 from relforest.scenes import Attribute, Schema
-from relforest.smdp import ActionType, Decision
+from relforest.smdp import UNBOUND, ActionType, Decision
 from relforest.trees import Instantiation, Leaf, Question, Tree
 from relforest.volumes import Ellipsoid
 
@@ -62,6 +62,58 @@ class Picking(gymnasium.Env[dict[str, Any], np.int64]):
         return Decision(self.things[:, None].copy(), np.minimum(numbers, 1), numbers[:, None] - 1, numbers)
 
 
+REACHING_TYPES = (ActionType("wait"), ActionType("reach", ("thing", "place")))
+REACH_SCHEMA = Schema((LOCATION,), ("thing", "place"))
+PLACES = 2
+
+
+class Reaching(gymnasium.Env[dict[str, Any], np.int64]):
+    """Carry things to places that nothing but the action itself knows; close to another thing is worth 1.
+
+    There are two places for each thing, drawn anew in every state: private objects. Three actions make an
+    episode.
+    """
+
+    schema = SCHEMA
+    action_types = REACHING_TYPES
+    discount = 0.5
+    observation_space = spaces.Dict({"left": spaces.Discrete(5)})
+
+    def __init__(self, things: int = 3) -> None:
+        self.n_things = things
+        self.action_space = spaces.Discrete(1 + PLACES * things)
+        self.things, self.places, self.steps = np.empty(0), np.empty(0), 0
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        super().reset(seed=seed, options=options)
+        self.things, self.steps = self.np_random.random(self.n_things), 0
+        self.places = self.np_random.random(PLACES * self.n_things)
+        return {"left": 0}, {}
+
+    def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        self.steps += 1
+        reward = 0.0
+        if action > 0:
+            thing, place = (action - 1) // PLACES, self.places[action - 1]
+            reward = float((np.abs(np.delete(self.things, thing) - place) < 0.1).any())
+            self.things[thing] = place
+        self.places = self.np_random.random(len(self.places))
+        return {"left": 0}, reward, False, self.steps >= 3, {"duration": 1.0}
+
+    def decision(self) -> Decision:
+        n, numbers = len(self.things), np.arange(len(self.places))
+        bound = np.stack([numbers // PLACES, n + numbers], axis=1)
+        return Decision(
+            np.concatenate([self.things, self.places])[:, None],
+            np.concatenate([[WAIT], np.ones_like(numbers)]),
+            np.concatenate([[[UNBOUND, UNBOUND]], bound]),
+            np.arange(1 + len(numbers)),
+            n_private=len(self.places),
+        )
+
+
 def within(mean: float, radius: float, *, keys: int = 1) -> Ellipsoid:
     """All numbers within `radius` of `mean`; the density there is exp(-keys * (x - mean)**2 / 2)."""
     return Ellipsoid(np.array([mean]), np.eye(1), radius, keys, 0.0)
@@ -91,6 +143,7 @@ def two_episodes() -> Experience:
     return Experience(
         matrix=np.array([[0.2], [0.8], [0.8], [0.4], [0.4]]),
         objects=np.array([0, 2, 3, 3, 4, 5]),
+        private=np.zeros(5, dtype=np.int64),
         candidates=np.array([0, 3, 5, 6, 8, 10]),
         types=np.array([0, 1, 1, 0, 1, 0, 0, 1, 0, 1]),
         arguments=np.array([[-1], [0], [1], [-1], [0], [-1], [-1], [0], [-1], [0]]),

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from relforest.rl.experience import COLUMNS, Experience, action_scenes, concatenate
+from relforest.rl.experience import COLUMNS, OPTIONAL_COLUMNS, Experience, concatenate
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import read_npz, write_npz
-from rl.small_worlds import PICK_SCHEMA, SCHEMA, two_episodes
+from rl.small_worlds import two_episodes
 
 
 def changed(**columns: Any) -> Experience:
@@ -29,13 +29,21 @@ def test_columns_survive_a_file(tmp_path: Path) -> None:
         np.testing.assert_array_equal(getattr(found, name), getattr(experience, name))
 
 
+def test_a_batch_written_before_there_were_private_objects_has_none(tmp_path: Path) -> None:
+    arrays = two_episodes().arrays()
+    del arrays["private"]
+    write_npz(tmp_path / "batch.npz", arrays)
+    read = read_npz(tmp_path / "batch.npz", COLUMNS, optional=OPTIONAL_COLUMNS)
+    assert Experience.from_arrays(read, origin="batch.npz").private.tolist() == [0, 0, 0, 0, 0]
+
+
 def test_columns_cannot_be_changed() -> None:
     with pytest.raises(ValueError, match="read-only"):
         two_episodes().rewards[0] = 1.0
 
 
 def test_batches_are_joined_with_new_numbers() -> None:
-    one = two_episodes()
+    one = changed(private=np.array([1, 0, 0, 0, 1]))
     both = concatenate([one, one])
     assert (len(both), both.n_states, both.n_episodes) == (6, 10, 4)
     # The second batch follows 5 states, 10 candidates and 5 object rows.
@@ -43,6 +51,7 @@ def test_batches_are_joined_with_new_numbers() -> None:
     assert both.next_states.tolist() == [1, 2, 4, 6, 7, 9]
     assert both.actions.tolist() == [1, 4, 6, 11, 14, 16]
     assert both.objects.tolist() == [0, 2, 3, 3, 4, 5, 7, 8, 8, 9, 10]
+    assert both.private.tolist() == [1, 0, 0, 0, 1, 1, 0, 0, 0, 1]
     assert both.candidates.tolist() == [0, 3, 5, 6, 8, 10, 13, 15, 16, 18, 20]
 
 
@@ -58,23 +67,6 @@ def test_joining_needs_batches_of_one_world() -> None:
         concatenate([two_episodes(), changed(arguments=np.full((10, 2), -1))])
 
 
-def test_scenes_of_actions_share_the_objects_of_their_state() -> None:
-    experience = two_episodes()
-    # Candidates 1 and 2 pick the two things of state 0 (rows 0, 1), candidate 9 the thing of state 4 (row 4).
-    scenes = action_scenes(experience, np.array([1, 2, 9]), PICK_SCHEMA)
-    assert scenes.counts.tolist() == [2, 2, 1]
-    assert [scenes.objects(i).tolist() for i in range(3)] == [[0, 1], [0, 1], [4]]
-    assert scenes.arguments.tolist() == [[0], [1], [4]]
-    assert scenes.matrix.base is experience.matrix.base or np.shares_memory(scenes.matrix, experience.matrix)
-
-
-def test_scenes_of_actions_without_arguments_and_without_objects() -> None:
-    # Candidate 5 waits in the empty terminal state.
-    scenes = action_scenes(two_episodes(), np.array([5, 6]), SCHEMA)
-    assert scenes.counts.tolist() == [0, 1]
-    assert scenes.arguments.shape == (2, 0)
-
-
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
@@ -87,6 +79,9 @@ def test_scenes_of_actions_without_arguments_and_without_objects() -> None:
         ({"actions": np.array([4, 4, 6])}, "candidate of the transition's own state"),
         ({"objects": np.array([0, 2, 1, 3, 4, 5])}, "objects must be offsets"),
         ({"candidates": np.array([0, 3, 5, 6, 8, 9])}, "candidates must be offsets that rise from 0 to 10"),
+        ({"private": np.zeros(4, dtype=np.int64)}, "private must have one entry for each of the 5 states"),
+        ({"private": np.array([0, 0, 1, 0, 0])}, "private must be from 0 to the number of objects"),
+        ({"private": np.array([0, -1, 0, 0, 0])}, "private must be from 0 to the number of objects"),
         ({"types": np.array([0, 1, 1, 0, 1, 0, 0, 1, 0, -1])}, "types must not be negative"),
         ({"types": np.zeros(9, dtype=np.int64)}, "must be offsets"),
         ({"arguments": np.full((10, 1), 3)}, "positions of objects in their state"),

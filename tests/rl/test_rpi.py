@@ -14,7 +14,7 @@ from relforest.rl.settings import RPISettings
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.locks import FolderLock
 from relforest.worlds.corridor.env import CorridorEnv
-from rl.small_worlds import Picking
+from rl.small_worlds import Picking, Reaching
 
 QUICK = RPISettings(trees_per_label=1, max_rounds=2, max_scenes=40)
 
@@ -49,6 +49,26 @@ def test_metrics_have_a_row_before_learning_and_one_per_iteration(learned: SMRFR
 def test_learning_beats_chance(learned: SMRFRPI) -> None:
     # Random actions collect 2.6 of about 8.7 per episode.
     assert learned.metrics_[-1]["test_reward"] > 5.0
+
+
+def test_actions_with_private_objects_are_learned() -> None:
+    learner = SMRFRPI(Reaching(), settings=QUICK, random_state=0).learn(2, 30, test_episodes=100)
+    rows = learner.metrics_
+    # A random place is near another thing in a third of the cases; there are 6 to choose from.
+    assert rows[-1]["trees"] > 0
+    assert rows[-1]["test_reward"] > 1.5 * rows[0]["test_reward"]
+
+
+def test_arches_are_learned_from_and_a_run_goes_on(tmp_path: Path) -> None:
+    chosen: dict[str, Any] = {"settings": QUICK, "random_state": 0}
+    env = gymnasium.make("relforest/Arch-v0")
+    whole = SMRFRPI(env, **chosen).learn(2, 4)
+    # Moves aim at private objects: as many as there are moves on offer, beside three blocks.
+    batch = whole.experience_[0]
+    assert (np.diff(batch.objects) - batch.private).tolist() == [3] * batch.n_states
+    assert batch.private.min() > 3
+    SMRFRPI(env, checkpoint=tmp_path, **chosen).learn(1, 4)
+    assert same(SMRFRPI(env, checkpoint=tmp_path, **chosen).learn(2, 4), whole)
 
 
 def test_metrics_cannot_be_changed_from_outside(learned: SMRFRPI) -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from relforest.rl.experience import action_scenes
+from relforest.rl.action_scenes import action_scenes
 from relforest.rl.features import FEATURE_MODES, FeatureMode, forest_features, width
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout

@@ -293,6 +293,14 @@ def test_a_missing_array_is_named(tmp_path: Path) -> None:
         files.read_npz(tmp_path / "weights.npz", ["counts", "bias"])
 
 
+def test_optional_arrays_may_be_missing(tmp_path: Path) -> None:
+    files.write_npz(tmp_path / "weights.npz", arrays())
+
+    read_back = files.read_npz(tmp_path / "weights.npz", ["counts", "bias"], optional=("counts", "bias"))
+
+    assert list(read_back) == ["counts"]
+
+
 def archive_of(member: bytes) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -297,6 +297,7 @@ def test_trajectories_depend_on_the_seed_only() -> None:
         (deciding(types=np.array([0, 2])), "decision: action 1 has type 2"),
         (deciding(**NO_ACTIONS), "decision: there is no action"),
         ({"decision": lambda original: lambda: shuffled(original())}, "decision: asking twice"),
+        (deciding(n_private=1), "scene: its objects must be those of decision\\(\\) that are not private"),
         (deciding(indices=np.array([0, 2])), "action_mask: must be 1 exactly at the indices"),
         (after(lambda _, info: info.pop("action_mask")), "action_mask: .* must be an int8 array"),
         (after(lambda _, info: info.update(action_mask=np.ones(2))), "action_mask: .* must be an int8 array"),

@@ -19,7 +19,7 @@ from typing import Any, Final, final
 import numpy as np
 
 from relforest.rl import policy_file
-from relforest.rl.experience import COLUMNS, Experience
+from relforest.rl.experience import COLUMNS, OPTIONAL_COLUMNS, Experience
 from relforest.rl.policy_file import (
     POLICY,
     TREES,
@@ -249,7 +249,7 @@ class RunFolder:
 
     def _read_batch(self, number: int, value: ValueFunction) -> Experience:
         path = self._experience(number)
-        batch = Experience.from_arrays(read_npz(path, COLUMNS), origin=str(path))
+        batch = Experience.from_arrays(read_npz(path, COLUMNS, optional=OPTIONAL_COLUMNS), origin=str(path))
         arity = max((kind.arity for kind in value.action_types), default=0)
         fits = batch.matrix.shape[1] == value.schema.width and batch.arguments.shape[1] == arity
         if not fits or batch.types.max(initial=0) >= len(value.action_types):

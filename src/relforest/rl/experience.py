@@ -2,8 +2,7 @@
 
 A state is stored once, even where the next state of one transition is the state of the following one. Every
 action that was available in a state (a *candidate*) is stored with it, because policy iteration asks for the
-value of all of them. Scenes for learning are views: `action_scenes` binds the arguments of candidates and
-shares all object rows.
+value of all of them. Scenes for learning are views, see `relforest.rl.action_scenes`.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.smdp import UNBOUND
 from relforest.support.errors import InputError, ModelFormatError
@@ -37,6 +35,9 @@ class Experience:
         The objects of all states, one row each, NaN = undefined.
     objects : (s + 1,) int64
         State ``i`` has the rows ``objects[i]`` to ``objects[i + 1]`` (exclusive).
+    private : (s,) int64
+        How many of the objects of each state, counted from the last, are private: they belong to the scenes
+        of the candidates that bind them only.
     candidates : (s + 1,) int64
         State ``i`` offers the candidates ``candidates[i]`` to ``candidates[i + 1]`` (exclusive).
     types : (c,) int64
@@ -68,6 +69,7 @@ class Experience:
 
     matrix: FloatArray
     objects: IntArray
+    private: IntArray
     candidates: IntArray
     types: IntArray
     arguments: IntArray
@@ -114,7 +116,8 @@ class Experience:
         Parameters
         ----------
         arrays : mapping
-            All of `COLUMNS` by name.
+            All of `COLUMNS` by name. Those of `OPTIONAL_COLUMNS` may be missing: batches written before there
+            were private objects have none.
         origin : str
             Where the arrays come from, for messages.
 
@@ -123,11 +126,13 @@ class Experience:
         ModelFormatError
             If a column is missing or the columns do not fit together.
         """
-        missing = [name for name in COLUMNS if name not in arrays]
+        missing = [name for name in COLUMNS if name not in arrays and name not in OPTIONAL_COLUMNS]
         if missing:
             raise ModelFormatError(f"{origin} is no batch of experience: it lacks {', '.join(missing)}")
+        n_states = max(len(arrays["objects"]) - 1, 0)
+        columns = {"private": np.zeros(n_states, np.int64)} | dict(arrays)
         try:
-            return cls(**{name: arrays[name] for name in COLUMNS})
+            return cls(**{name: columns[name] for name in COLUMNS})
         except InputError as error:
             raise ModelFormatError(f"{origin} is no valid batch of experience: {error}") from error
 
@@ -168,37 +173,11 @@ def concatenate(batches: Sequence[Experience]) -> Experience:
     return Experience(**columns)
 
 
-def action_scenes(experience: Experience, candidates: IntArray, schema: Schema) -> Scenes:
-    """Return one scene per candidate action: the objects of its state, the action's arguments bound first.
-
-    Parameters
-    ----------
-    experience : Experience
-    candidates : (m,) int64
-        Candidate numbers, all of one action type.
-    schema : Schema
-        The world's attributes with the parameters of that action type.
-
-    Returns
-    -------
-    Scenes
-        m scenes that share the object rows of their states; nothing is copied.
-    """
-    states = np.searchsorted(experience.candidates, candidates, side="right") - 1
-    starts = experience.objects[states]
-    positions = experience.arguments[candidates, : schema.n_parameters]
-    return Scenes(
-        schema,
-        experience.matrix,
-        np.arange(len(experience.matrix)),
-        starts,
-        experience.objects[states + 1] - starts,
-        np.where(positions == UNBOUND, UNBOUND, positions + starts[:, None]),
-    )
-
-
 COLUMNS = tuple(field.name for field in fields(Experience))
 """Names of the columns of `Experience`, in order."""
+
+OPTIONAL_COLUMNS = ("private",)
+"""Those that a file may lack; they are 0 then."""
 
 _LAYOUT: dict[str, tuple[type[Any], int]] = {
     name: (
@@ -245,6 +224,11 @@ def _check_lengths(experience: Experience) -> None:
         lengths = [len(getattr(experience, name)) for name in names]
         if len(set(lengths)) > 1:
             raise InputError(f"{', '.join(names)} must have the same length, got {lengths}")
+    if len(experience.private) != experience.n_states:
+        raise InputError(
+            f"private must have one entry for each of the {experience.n_states} states, "
+            f"got {len(experience.private)}"
+        )
 
 
 def _check_numbers(experience: Experience) -> None:
@@ -261,7 +245,10 @@ def _check_numbers(experience: Experience) -> None:
         raise InputError("actions must name a candidate of the transition's own state")
     if len(experience.types) and experience.types.min() < 0:
         raise InputError("types must not be negative")
-    n_objects = np.repeat(np.diff(experience.objects), np.diff(experience.candidates))
+    n_objects = np.diff(experience.objects)
+    if ((experience.private < 0) | (experience.private > n_objects)).any():
+        raise InputError("private must be from 0 to the number of objects of the state")
+    n_objects = np.repeat(n_objects, np.diff(experience.candidates))
     if ((experience.arguments < UNBOUND) | (experience.arguments >= n_objects[:, None])).any():
         raise InputError("arguments must be positions of objects in their state, or -1 for none")
     if np.isinf(experience.matrix).any():

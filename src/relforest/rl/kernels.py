@@ -51,9 +51,9 @@ def forest_values(
 ) -> None:
     """Write the value of each action of one type in one state to `out` (m,).
 
-    `matrix` (n_rows, width) holds the attribute values, `objects` (n_objects,) the rows of the state's
-    objects, and `arguments` (m, arity) the rows bound by each action; `work` comes from `query_work` with the
-    forest's sizes.
+    `matrix` (n_rows, width) holds the attribute values, `objects` (n_objects,) the rows of the objects that
+    all actions share, and `arguments` (m, arity) the rows bound by each action, whether or not they are
+    shared; `work` comes from `query_work` with the forest's sizes.
     """
     for i in range(len(out)):
         value = forest.bias

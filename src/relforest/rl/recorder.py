@@ -56,6 +56,7 @@ class Recorder:
                 [np.empty((0, self._width)), *(decision.objects for decision in decisions)]
             ),
             objects=_offsets([decision.n_objects for decision in decisions]),
+            private=np.array([decision.n_private for decision in decisions], dtype=np.int64),
             candidates=candidates,
             types=np.concatenate([np.empty(0, np.int64), *(decision.types for decision in decisions)]),
             arguments=np.concatenate(

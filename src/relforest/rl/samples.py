@@ -16,7 +16,8 @@ from typing import final
 
 import numpy as np
 
-from relforest.rl.experience import BoolArray, Experience, action_scenes, concatenate
+from relforest.rl.action_scenes import action_scenes
+from relforest.rl.experience import BoolArray, Experience, concatenate
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.rng import generator

@@ -99,14 +99,15 @@ class ValueFunction:
         here.
         """
         values = np.empty(len(decision))
-        rows = np.arange(len(decision.objects))
+        # Private objects are bound by the actions that see them, and what is bound is not looked for again.
+        shared = np.arange(decision.n_shared)
         for kind, (forest, action_type) in enumerate(zip(self._packed, self.action_types, strict=True)):
             chosen = np.flatnonzero(decision.types == kind)
             if not len(chosen):
                 continue
             out = np.empty(len(chosen))
             arguments = decision.arguments[chosen, : action_type.arity]
-            forest_values(forest, decision.objects, rows, arguments, query_work(*forest.sizes), out)
+            forest_values(forest, decision.objects, shared, arguments, query_work(*forest.sizes), out)
             values[chosen] = out
         return values
 

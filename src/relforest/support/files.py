@@ -19,7 +19,7 @@ import stat
 import zipfile
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
@@ -237,7 +237,11 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) 
 
 
 def read_npz(
-    path: str | os.PathLike[str], names: Iterable[str], *, max_bytes: int = MAX_BYTES
+    path: str | os.PathLike[str],
+    names: Iterable[str],
+    *,
+    optional: Container[str] = (),
+    max_bytes: int = MAX_BYTES,
 ) -> dict[str, NDArray[Any]]:
     """Read arrays from a ``.npz`` archive without ever unpickling.
 
@@ -247,6 +251,8 @@ def read_npz(
         The archive.
     names : iterable of str
         The arrays to read; others are left unread.
+    optional : container of str
+        Those of them that are left out if the archive lacks them.
     max_bytes : int
         Archives that are larger, or would be when unpacked, are refused.
 
@@ -264,7 +270,12 @@ def read_npz(
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             _check_unpacked_size(archive, path, max_bytes)
-            return {name: _read_array(archive, name, path) for name in names}
+            there = set(archive.namelist())
+            return {
+                name: _read_array(archive, name, path)
+                for name in names
+                if name not in optional or f"{name}.npy" in there
+            }
     except ModelFormatError:
         raise
     except _BROKEN_ARCHIVE as error:

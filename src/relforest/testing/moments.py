@@ -131,8 +131,13 @@ def is_finite(value: object) -> TypeGuard[float]:
 
 
 def _same_decision(one: Decision, other: Decision) -> bool:
-    return np.array_equal(one.objects, other.objects, equal_nan=True) and all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("types", "arguments", "indices")
+    return (
+        np.array_equal(one.objects, other.objects, equal_nan=True)
+        and one.n_private == other.n_private
+        and all(
+            np.array_equal(getattr(one, name), getattr(other, name))
+            for name in ("types", "arguments", "indices")
+        )
     )
 
 
@@ -155,8 +160,9 @@ def _check_scene(scene: object, decision: Decision, schema: Schema) -> None:
         raise violation("scene", f'info["scene"] must be Scenes of length 1, got {scene!r}')
     if scene.schema != schema:
         raise violation("scene", f"its schema must be that of the world, {schema}, got {scene.schema}")
-    if not np.array_equal(scene.matrix[scene.objects(0)], decision.objects, equal_nan=True):
-        raise violation("scene", "its objects must be those of decision(), in the same order")
+    shared = decision.objects[: decision.n_shared]
+    if not np.array_equal(scene.matrix[scene.objects(0)], shared, equal_nan=True):
+        raise violation("scene", "its objects must be those of decision() that are not private, in order")
 
 
 def _check_observation(

@@ -50,9 +50,10 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     - ``decision``: it suits the schema and the action types, asking twice gives the same answer, and every
       state that is not terminal offers an action.
     - ``action_mask``: int8, 1 exactly at the indices of the decision.
-    - ``scene``: `Scenes` of length 1 with the schema of the world and the objects of the decision, in order.
-    - ``observation``: it lies in the space; slots in the mask hold the objects in order, the others hold 0.
-      What stands for an undefined value is left to the world.
+    - ``scene``: `Scenes` of length 1 with the schema of the world and the objects of the decision, in order,
+      without the private ones.
+    - ``observation``: it lies in the space; slots in the mask hold the objects in order, private ones too,
+      and the others hold 0. What stands for an undefined value is left to the world.
     - ``step``: flags are bool, the reward is finite, ``duration`` is finite and not negative,
       ``discounted_reward`` is finite if present, and equal to the reward where the discount is 1.
     - ``determinism``: the same seed and the same actions give the same trajectory.

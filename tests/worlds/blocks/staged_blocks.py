@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from relforest.worlds.blocks.blocks import Block
-from relforest.worlds.blocks.state import BlocksState, state_of
+from relforest.worlds.blocks.blocks import Block, random_blocks
+from relforest.worlds.blocks.options import isolate, move, put, rotate
+from relforest.worlds.blocks.simulation import BlocksSimulation
+from relforest.worlds.blocks.state import BlocksState, Cast
 
 UPRIGHT = math.pi / 2
 GREY = (0.5, 0.5, 0.5)
@@ -24,7 +27,7 @@ def staged(
     """Return blocks with the ids 0, 1, ..., each given by its half extents and its pose."""
     colors = colors or [GREY] * len(placed)
     blocks = [Block(i, half, color) for i, ((half, _), color) in enumerate(zip(placed, colors, strict=True))]
-    return state_of(blocks, np.array([pose for _, pose in placed]).reshape(-1, 3), contacts)
+    return Cast.of(blocks).state(np.array([pose for _, pose in placed]).reshape(-1, 3), contacts)
 
 
 def row(*x: float, colors: Sequence[tuple[float, float, float]] | None = None) -> BlocksState:
@@ -62,3 +65,22 @@ def shifted(state: BlocksState, x: float) -> BlocksState:
     return BlocksState(
         state.ids, state.half_extents, state.colors, state.poses + np.array([x, 0.0, 0.0]), state.touching
     )
+
+
+def dropped(seed: int, n: int = 5) -> BlocksSimulation:
+    """Return blocks that were dropped and lie still."""
+    sim = BlocksSimulation(np.random.default_rng(seed))
+    sim.drop(random_blocks(sim.rng, n))
+    return sim
+
+
+def fingerprint(seed: int) -> str:
+    """Play an episode and return what came out, to the last bit."""
+    sim = dropped(seed)
+    ids = [block.id for block in sim.blocks]
+    put(sim, ids[0], ids[1])
+    rotate(sim, ids[2])
+    isolate(sim, ids[1])
+    move(sim, ids[3], 10.0)
+    text = [sim.poses.tobytes(), sim.bounds.tobytes(), repr((sim.steps, sorted(sim.contacts))).encode()]
+    return hashlib.sha256(b"".join(text)).hexdigest()

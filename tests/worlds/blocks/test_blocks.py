@@ -63,8 +63,10 @@ def test_numbers_of_blocks_are_checked(draw: Any, n: Any, first_id: Any) -> None
 @pytest.mark.parametrize(
     ("half_extents", "color", "message"),
     [
-        ((1.0,), (0.0, 0.0, 0.0), "two half extents"),
-        ((1.0, 2.0), (0.0, 0.0), "three parts"),
+        ((1.0,), (0.0, 0.0, 0.0), "half_extents of a block must be 2 numbers"),
+        (3.0, (0.0, 0.0, 0.0), "half_extents of a block must be 2 numbers, got 3.0"),
+        ((1.0, 2.0), (0.0, 0.0), "color of a block must be 3 numbers"),
+        ((1.0, 2.0), None, "color of a block must be 3 numbers, got None"),
         ((1.0, 0.0), (0.0, 0.0, 0.0), "half extent"),
         ((1.0, float("nan")), (0.0, 0.0, 0.0), "half extent"),
         ((float("inf"), 1.0), (0.0, 0.0, 0.0), "half extent"),

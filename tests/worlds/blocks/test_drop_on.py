@@ -75,7 +75,7 @@ def test_blocks_dropped_far_from_the_support_fail() -> None:
 
 
 def test_large_scenes_have_more_interferers() -> None:
-    scenes, _ = drop_on_scenes(np.random.default_rng(2), 5, n_interferers=(4, 5))
+    scenes, _ = drop_on_scenes(np.random.default_rng(2), 5, n_interferers=[4, 5])
 
     assert scenes.counts.max() in (6, 7)
 
@@ -103,7 +103,7 @@ def test_angles_of_dropped_blocks_are_those_of_squares() -> None:
         (-1, (0, 3), "n must be"),
         (5, (-1, 3), "smallest of n_interferers must be"),
         (5, (3, 2), "largest of n_interferers must be"),
-        (5, [0, 3], r"n_interferers must be a pair \(smallest, largest\)"),
+        (5, 3, r"n_interferers must be a pair \(smallest, largest\)"),
     ],
 )
 def test_bad_input_is_named(n: int, n_interferers: tuple[int, int], message: str) -> None:

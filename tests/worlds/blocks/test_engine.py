@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from reference.blocks import PlainEngine
 from relforest.support.errors import InputError
-from relforest.worlds.blocks.box import shared_pair
+from relforest.worlds.blocks.box import shared
 from relforest.worlds.blocks.engine import LOST, REST_SPEED, REST_SPIN, Engine, Spring
 from relforest.worlds.blocks.grasp import springs
 
@@ -309,6 +309,22 @@ def test_other_layouts_in_memory_are_noticed() -> None:
     pair = np.array([1.5, 2.5], dtype=np.float32)
     reference = SimpleNamespace(this=pair.ctypes.data)
 
-    assert list(shared_pair(reference, 1.5, 2.5)) == [1.5, 2.5]
+    assert list(shared(reference, 1.5, 2.5)) == [1.5, 2.5]
     with pytest.raises(RuntimeError, match=r"install Box2D 2.3.10"):
-        shared_pair(reference, 2.5, 1.5)
+        shared(reference, 2.5, 1.5)
+
+
+def test_the_tool_is_where_a_box_is_held_or_was() -> None:
+    engine = Engine()
+    box = engine.add_box((2.0, 1.0), (5.0, 1.0))
+    assert engine.tool is None
+    engine.grab(box, springs((1.0, 0.0), (2.0, 1.0)))
+    assert engine.tool == pytest.approx((6.0, 1.0))
+    engine.carry((0.0, 20.0), 500)
+    assert engine.tool == pytest.approx((1.0, 20.0), abs=0.1)
+    engine.let_go()
+    held = engine.tool
+    engine.settle(500)
+    assert engine.tool == held
+    engine.remove(box)
+    assert engine.tool == held

@@ -13,18 +13,26 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
-from relforest.scenes import Scenes
+from relforest.rl.action_scenes import action_scenes
+from relforest.rl.recorder import Recorder
+from relforest.scenes import Scenes, Schema
 from relforest.support.errors import InputError
 from relforest.testing import check_world
 from relforest.worlds.blocks.blocks import Block
 from relforest.worlds.blocks.command import Command
 from relforest.worlds.blocks.env import BlocksEnv, arch_env, color_grouping_env, high_towers_env
-from relforest.worlds.blocks.options import Noise, OptionResult
+from relforest.worlds.blocks.handling import Handling
+from relforest.worlds.blocks.noise import Noise
+from relforest.worlds.blocks.options import OptionResult
 from relforest.worlds.blocks.policies import make_policy
+from relforest.worlds.blocks.scene import SCHEMA
+from relforest.worlds.blocks.tasks import ARCH_ACTIONS, DONE, MOVE
+from relforest.worlds.blocks.viewer import BlocksViewer
 from worlds.blocks.staged_blocks import UPRIGHT, Pose
 
 IDENTIFIERS = ("relforest/HighTowers-v0", "relforest/ColorGrouping-v0", "relforest/Arch-v0")
 GREY = (0.5, 0.5, 0.5)
+EXACT = Handling(Noise.none())
 
 
 BESIDE_THE_TABLE = ((2.0, 2.0), (150.0, 2.0, 0.0))
@@ -38,7 +46,7 @@ def staged(env: BlocksEnv, *placed: tuple[tuple[float, float], Pose], at_rest: b
     sim.place(blocks, [pose for _, pose in placed])
     if at_rest:
         sim.wait_for_rest()
-    env._slots = np.array([block.id for block in blocks])
+    env._watcher.begin(sim.state.ids)
     env._look()
     return env
 
@@ -111,7 +119,7 @@ def test_rewards_are_what_an_action_changed_about_the_score() -> None:
 
 
 def test_a_put_without_noise_by_hand() -> None:
-    env = staged(high_towers_env(noise=Noise.none(), n_blocks=2), ((2, 2), (0, 2, 0)), ((1, 1), (15, 1, 0)))
+    env = staged(high_towers_env(handling=EXACT, n_blocks=2), ((2, 2), (0, 2, 0)), ((1, 1), (15, 1, 0)))
     assert env.moment.score == pytest.approx(1.5, abs=0.05)
     first, second = env.state.ids
     _, reward, _, _, info = env.perform("put", second, first)
@@ -125,7 +133,7 @@ def test_a_put_without_noise_by_hand() -> None:
 
 
 def test_only_done_is_paid_for_an_arch() -> None:
-    env = arch_env(noise=Noise.none(), sampler="expert")
+    env = arch_env(handling=EXACT, sampler="expert")
     half = (4.0, 2.0)
     staged(env, (half, (-5, 4, UPRIGHT)), (half, (5, 4, UPRIGHT)), (half, (25, 2, 0)))
     assert env.moment.score == 0.0
@@ -151,7 +159,7 @@ def test_only_done_is_paid_for_an_arch() -> None:
 
 
 def test_an_arch_of_the_last_action_is_told_but_not_paid() -> None:
-    env = arch_env(noise=Noise.none(), max_actions=1)
+    env = arch_env(handling=EXACT, max_actions=1)
     half = (4.0, 2.0)
     staged(env, (half, (-5, 4, UPRIGHT)), (half, (5, 4, UPRIGHT)), (half, (25, 2, 0)))
     _, reward, terminated, truncated, info = env.perform("move", env.state.ids[2], 0.0)
@@ -211,11 +219,35 @@ def test_info_describes_state_and_choices() -> None:
     assert isinstance(scene, Scenes)
     # At most 3 blocks and 7 targets for each.
     assert observation["location"].shape == (24, 2)
-    assert observation["mask"].sum() == len(scene.objects(0))
-    assert scene.object_ids[:4].tolist() == ["block_0", "block_1", "block_2", "target_0"]
-    # Undefined in the scene, 0 in the observation.
-    assert np.isnan(scene.values["extent"][3:]).all()
+    decision = env.decision()
+    assert observation["mask"].sum() == decision.n_objects > 3
+    # Targets are private to the moves that go there: they are in the observation, but not in the scene.
+    assert scene.object_ids.tolist() == ["block_0", "block_1", "block_2"]
+    assert decision.n_shared == 3
+    # What is undefined about them is 0 in the observation.
+    assert np.isnan(decision.objects[3:, 2:]).all()
     assert not observation["extent"][3:].any()
+
+
+def test_a_move_sees_the_blocks_and_its_own_target() -> None:
+    env = arch_env(n_blocks=2)
+    half = (4.0, 2.0)
+    staged(env, (half, (-10, 2, 0)), (half, (10, 2, 0)))
+    # For each of two blocks: onto the other, half the way towards it, a tenth farther away.
+    targets = [10.0, 0.0, -12.0, -10.0, 0.0, 12.0]
+    recorder = Recorder(SCHEMA.width, 2)
+    recorder.state(env.decision())
+    experience = recorder.finish()
+    moves = np.flatnonzero(experience.types == ARCH_ACTIONS.index(MOVE))
+    scenes = action_scenes(experience, moves, Schema(SCHEMA.attributes, MOVE.parameters))
+    assert scenes.counts.tolist() == [3] * 6
+    for i, target in enumerate(targets):
+        objects = scenes.matrix[scenes.objects(i)]
+        np.testing.assert_allclose(objects[:, 0], [-10.0, 10.0, target], atol=0.1)
+        assert np.isnan(objects[:, 2]).tolist() == [False, False, True]
+        assert scenes.arguments[i].tolist() == [i // 3, 2 + i]
+    done = np.flatnonzero(experience.types == ARCH_ACTIONS.index(DONE))
+    assert action_scenes(experience, done, SCHEMA).counts.tolist() == [2]
 
 
 def test_sizes_are_options() -> None:
@@ -280,6 +312,35 @@ def test_pictures_are_made_on_request() -> None:
         arch_env().render()
 
 
+def test_pictures_tell_what_was_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[str, Any]] = []
+
+    def draw(*_: Any, caption: str, tool: Any, **__: Any) -> Any:
+        told.append((caption, tool))
+
+    env = arch_env("rgb_array", handling=EXACT, max_actions=4)
+    staged(env, ((4.0, 2.0), (-10, 2, 0)), ((4.0, 2.0), (10, 2, 0)), BESIDE_THE_TABLE, at_rest=False)
+    ids = env.state.ids.tolist()
+    env.render()
+    monkeypatch.setattr(BlocksViewer, "draw", draw)
+    env.render()
+    env.perform("move", ids[0], -16.66)
+    env.render()
+    env.step(2)
+    env.render()
+    env.step(24)
+    env.render()
+    assert [caption for caption, _ in told] == [
+        "arch",
+        f"move({ids[0]}, x = \N{MINUS SIGN}16.7): 0.00",
+        "unavailable action: 0.00",
+        "done: 0.00",
+    ]
+    # The block was let go 2 above the table.
+    assert told[0][1] is None
+    assert told[1][1] == pytest.approx((-16.66, 4.0), abs=0.1)
+
+
 @pytest.mark.parametrize("action", [-1, 25, 0.0, float("nan"), None, "put", np.array([1, 2])])
 def test_an_action_that_does_not_exist_is_an_error(action: Any) -> None:
     env = high_towers_env()
@@ -332,8 +393,11 @@ def test_a_far_away_target_is_given_up() -> None:
     [
         (high_towers_env, {"n_blocks": 0}, "n_blocks must be an integer of at least 1, got 0"),
         (high_towers_env, {"max_actions": 0}, "max_actions must be an integer of at least 1"),
-        (high_towers_env, {"noise": 1.0}, r"noise must be a Noise, such as Noise.none\(\), got 1.0"),
-        (high_towers_env, {"overlap": "none"}, "overlap must be one of 'original', 'interval'"),
+        (
+            high_towers_env,
+            {"handling": Noise()},
+            r"handling must be a Handling, such as Handling\(\), got Noise",
+        ),
         (high_towers_env, {"render_mode": "human"}, "render_mode must be one of 'rgb_array'"),
         (color_grouping_env, {"distance": "lab"}, "distance must be one of"),
         (arch_env, {"sampler": "all"}, "sampler must be one of"),

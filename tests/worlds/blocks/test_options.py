@@ -13,13 +13,13 @@ from reference.blocks import plain_engine
 from relforest.support.errors import InputError
 from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.blocks import Block, arch_blocks, random_blocks
+from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.noise import Noise
 from relforest.worlds.blocks.options import done, isolate, move, put, rotate
 from relforest.worlds.blocks.simulation import BlocksSimulation
 
 GREY = (0.5, 0.5, 0.5)
-PRECISE = Noise.none()
-NO_OVERLAP: Any = "none"
+EXACT = Handling(Noise.none())
 
 
 def table(*boxes: tuple[float, float, float, float], seed: int = 0, **options: Any) -> BlocksSimulation:
@@ -41,7 +41,7 @@ def is_upright(sim: BlocksSimulation, block: int) -> bool:
 
 def test_put_without_noise_puts_the_block_in_the_middle() -> None:
     sim = two()
-    result = put(sim, 0, 1, noise=PRECISE)
+    result = put(sim, 0, 1, handling=EXACT)
 
     assert sim.pose(0)[:2] == pytest.approx((10.0, 3.02), abs=0.05)
     assert sim.contacts == {(0, 1)}
@@ -56,7 +56,7 @@ def test_put_without_noise_puts_the_block_in_the_middle() -> None:
 def test_put_lifts_the_block_above_all_and_lets_it_go_above_the_target() -> None:
     sim = two()
     sim.frames, sim.frame_every = [], 1
-    put(sim, 0, 1, noise=PRECISE)
+    put(sim, 0, 1, handling=EXACT)
     held = np.array([frame.poses[0] for frame in sim.frames if frame.held == 0])
 
     # Its own top is at 2.01, its lowest point at 0.01: 2.01 + 5 above the table, and its centre 1 higher.
@@ -67,7 +67,7 @@ def test_put_lifts_the_block_above_all_and_lets_it_go_above_the_target() -> None
 
 def test_put_counts_what_lies_on_the_target() -> None:
     sim = table((2.0, 1.0, -10.0, 1.02), (2.0, 1.0, 10.0, 1.02), (2.0, 1.0, 10.0, 3.04))
-    put(sim, 0, 1, noise=PRECISE)
+    put(sim, 0, 1, handling=EXACT)
 
     assert sim.pose(0)[:2] == pytest.approx((10.0, 5.04), abs=0.06)
     assert sim.contacts == {(0, 2), (1, 2)}
@@ -80,7 +80,7 @@ def test_the_original_overlap_misses_a_wide_block(overlap: Any, *, hits: bool) -
     sim = table((0.5, 0.5, -30.0, 0.52), (0.5, 1.0, -6.0, 1.02), (1.5, 1.0, 5.0, 1.02), (9.0, 0.5, 2.0, 2.55))
     top = sim.bounds[3, 3]
     sim.frames, sim.frame_every = [], 1
-    put(sim, 0, 1, noise=PRECISE, overlap=overlap)
+    put(sim, 0, 1, handling=Handling(Noise.none(), overlap))
     lowest = min(frame.poses[0, 1] for frame in sim.frames if frame.held == 0 and frame.poses[0, 0] > -7)
 
     assert (lowest < top + 1.5) == hits
@@ -96,7 +96,7 @@ def test_blocks_that_lie_on_the_moved_one_come_along_or_fall() -> None:
 
 def test_move_goes_to_a_place() -> None:
     sim = two()
-    result = move(sim, 0, 23.0, noise=PRECISE)
+    result = move(sim, 0, 23.0, handling=EXACT)
 
     assert sim.pose(0)[:2] == pytest.approx((23.0, 1.01), abs=0.05)
     assert sim.pose(1)[0] == pytest.approx(10.0, abs=0.01)
@@ -109,7 +109,7 @@ def test_rotate_lays_down_and_sets_up(angle: float) -> None:
     sim.place(arch_blocks(sim.rng, 1), [(0.0, 5.0, angle)])
     sim.wait_for_rest()
     upright = is_upright(sim, 0)
-    result = rotate(sim, 0, noise=PRECISE)
+    result = rotate(sim, 0, handling=EXACT)
 
     assert is_upright(sim, 0) != upright
     assert result.grasped
@@ -131,7 +131,7 @@ def test_rotate_lifts_the_block_by_one_end(angle: float, end: float, height: flo
     sim.place(arch_blocks(sim.rng, 1), [(0.0, 5.0, angle)])
     sim.wait_for_rest()
     sim.frames, sim.frame_every = [], 1
-    rotate(sim, 0, noise=PRECISE)
+    rotate(sim, 0, handling=EXACT)
     heights = [frame.poses[0, 1] for frame in sim.frames if frame.held == 0]
 
     assert math.remainder(sim.pose(0)[2] - end, 2 * math.pi) == pytest.approx(0.0, abs=0.02)
@@ -142,7 +142,7 @@ def test_rotate_works_from_any_number_of_turns() -> None:
     sim = BlocksSimulation(np.random.default_rng(0))
     sim.place(arch_blocks(sim.rng, 1), [(0.0, 2.02, 10 * math.pi)])
     sim.wait_for_rest()
-    rotate(sim, 0, noise=PRECISE)
+    rotate(sim, 0, handling=EXACT)
 
     assert is_upright(sim, 0)
 
@@ -164,7 +164,7 @@ def test_isolate_leaves_a_free_block_alone() -> None:
 def test_isolate_uses_the_widest_gap() -> None:
     # Block 0 (4 wide) lies on block 1. Gaps: -18 to -2 (16) and 2 to 13 (11); it needs 4 + 2 * 2.
     sim = table((2.0, 1.0, 0.0, 3.04), (2.0, 1.0, 0.0, 1.02), (2.0, 1.0, -20.0, 1.02), (2.0, 1.0, 15.0, 1.02))
-    isolate(sim, 0, noise=PRECISE)
+    isolate(sim, 0, handling=EXACT)
 
     assert sim.pose(0)[:2] == pytest.approx((-10.0, 1.01), abs=0.05)
 
@@ -174,7 +174,7 @@ def test_isolate_goes_beyond_all_if_no_gap_is_wide_enough(shift: float, x: float
     # The others reach from -4.1 to 4.1, plus the shift: 3.1 is nearer the middle than 5.1. Then 4 and half
     # its width farther.
     sim = table((2.0, 1.0, shift, 3.04), (2.0, 1.0, shift - 2.1, 1.02), (2.0, 1.0, shift + 2.1, 1.02))
-    isolate(sim, 0, noise=PRECISE)
+    isolate(sim, 0, handling=EXACT)
 
     assert sim.pose(0)[:2] == pytest.approx((x, 1.01), abs=0.2)
 
@@ -207,7 +207,7 @@ def test_puts_take_as_long_and_succeed_as_often_as_in_the_source() -> None:
 def test_stages_end_after_500_steps() -> None:
     # A block as heavy as three of the largest cannot be lifted: 2500 / (2 * 100 * 3) < 10.
     sim = table((10.0, 7.5, 0.0, 7.52), (1.0, 1.0, 30.0, 1.02))
-    result = put(sim, 0, 1, noise=PRECISE)
+    result = put(sim, 0, 1, handling=EXACT)
 
     assert result.timeouts >= 2
     assert 1000 < result.steps <= 2002
@@ -216,7 +216,7 @@ def test_stages_end_after_500_steps() -> None:
 def test_a_grasp_that_never_succeeds_ends() -> None:
     sim = two()
     before = sim.poses
-    result = put(sim, 0, 1, noise=Noise(grasp=1e9))
+    result = put(sim, 0, 1, handling=Handling(Noise(grasp=1e9)))
 
     # 500 steps of grasping; nothing is held, so one step until all rest, and one to notice.
     assert result == OptionResult(duration=5.02, steps=502, timeouts=1, grasped=False)
@@ -226,7 +226,7 @@ def test_a_grasp_that_never_succeeds_ends() -> None:
 @pytest.mark.parametrize("noise", [Noise(carry=1e6), Noise(carry=1e300)])
 def test_goals_that_are_too_far_are_given_up(noise: Noise) -> None:
     sim = two()
-    result = put(sim, 0, 1, noise=noise)
+    result = put(sim, 0, 1, handling=Handling(noise))
 
     assert result.grasped
     assert result.steps < 500
@@ -235,7 +235,7 @@ def test_goals_that_are_too_far_are_given_up(noise: Noise) -> None:
 
 def test_a_block_that_is_carried_beyond_the_table_is_lost() -> None:
     sim = two()
-    result = move(sim, 0, 115.0, noise=PRECISE)
+    result = move(sim, 0, 115.0, handling=EXACT)
 
     assert [block.id for block in sim.blocks] == [1]
     assert result.grasped
@@ -247,7 +247,7 @@ def test_a_block_that_is_carried_beyond_the_table_is_lost() -> None:
 @pytest.mark.parametrize("x", [1e4, -1e300])
 def test_far_places_are_given_up(x: float) -> None:
     sim = two()
-    move(sim, 0, x, noise=PRECISE)
+    move(sim, 0, x, handling=EXACT)
 
     assert sim.pose(0)[0] == pytest.approx(-10.0, abs=1.0)
 
@@ -270,8 +270,6 @@ def test_places_are_finite_numbers(x: Any) -> None:
         (lambda sim: rotate(sim, -1), "no block -1"),
         (lambda sim: isolate(sim, 9), "no block 9"),
         (lambda sim: move(sim, 9, 0.0), "no block 9"),
-        (lambda sim: put(sim, 0, 1, overlap=NO_OVERLAP), "overlap must be"),
-        (lambda sim: isolate(sim, 0, overlap=NO_OVERLAP), "overlap must be"),
     ],
 )
 def test_options_refuse_what_they_cannot_do(
@@ -291,7 +289,7 @@ def test_the_target_may_fall_off_the_table_meanwhile() -> None:
     # Block 1 stands beyond the edge and falls while block 0 is lifted; that is then lowered where it is.
     sim = BlocksSimulation(np.random.default_rng(0), table_half_width=20.0)
     sim.place([Block(i, (1.0, 1.0), GREY) for i in range(2)], [(0.0, 1.02, 0.0), (25.0, 1.0, 0.0)])
-    result = put(sim, 0, 1, noise=PRECISE)
+    result = put(sim, 0, 1, handling=EXACT)
 
     assert [block.id for block in sim.blocks] == [0]
     assert result.grasped
@@ -301,7 +299,7 @@ def test_the_target_may_fall_off_the_table_meanwhile() -> None:
 def test_the_block_may_fall_off_the_table_while_it_is_grasped_for() -> None:
     sim = BlocksSimulation(np.random.default_rng(0), table_half_width=20.0)
     sim.place([Block(i, (1.0, 1.0), GREY) for i in range(2)], [(25.0, 4.0, 0.0), (0.0, 1.02, 0.0)])
-    result = put(sim, 0, 1, noise=Noise(grasp=1e9))
+    result = put(sim, 0, 1, handling=Handling(Noise(grasp=1e9)))
 
     assert [block.id for block in sim.blocks] == [1]
     assert not result.grasped
@@ -356,14 +354,14 @@ class TestTwin:
 def test_nothing_is_ever_undefined_or_endless(seed: int, sd: float, half_width: float, overlap: Any) -> None:
     sim = BlocksSimulation(np.random.default_rng(seed), table_half_width=half_width)
     sim.drop(random_blocks(sim.rng, 4))
-    noise = Noise(grasp=sd, carry=sd, rotate=sd)
+    handling = Handling(Noise(grasp=sd, carry=sd, rotate=sd), overlap)
     for turn in range(3):
         ids = [block.id for block in sim.blocks]
         if len(ids) < 2:
             break
         for result in (
-            put(sim, ids[0], ids[-1], noise=noise, overlap=overlap) if turn != 1 else done(sim),
-            *(isolate(sim, block, noise=noise, overlap=overlap) for block in ids[1:2] if block in sim),
+            put(sim, ids[0], ids[-1], handling=handling) if turn != 1 else done(sim),
+            *(isolate(sim, block, handling=handling) for block in ids[1:2] if block in sim),
         ):
             assert 0 < result.steps <= 5 * 500 + 1
         assert np.isfinite(sim.poses).all()

@@ -9,10 +9,9 @@ import pytest
 
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
-from relforest.worlds.blocks.actions import flat_actions
 from relforest.worlds.blocks.arch_policies import CarefulPolicy, TrainerPolicy
 from relforest.worlds.blocks.color_policy import ColorPolicy
-from relforest.worlds.blocks.moment import moment
+from relforest.worlds.blocks.moment import Watcher
 from relforest.worlds.blocks.policies import POLICIES, Policy, RandomPolicy, make_policy
 from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import Task, arch, color_grouping, high_towers
@@ -28,10 +27,9 @@ class StagedWorld:
     state: BlocksState
 
     def decision(self) -> Decision:
-        n = len(self.state)
-        n_targets = 0 if self.task.sampler is None else self.task.sampler.size(n)
-        actions = flat_actions(self.task.action_types, n, n_targets)
-        return moment(self.state, self.task, actions, np.arange(n)).decision
+        watcher = Watcher(self.task, len(self.state))
+        watcher.begin(self.state.ids)
+        return watcher.look(self.state).decision
 
 
 def chosen(policy: Policy, world: StagedWorld, seed: int = 0) -> tuple[str, tuple[int, ...]]:

@@ -77,7 +77,7 @@ def test_there_are_always_as_many_candidates(n: int, seed: int) -> None:
 
 def test_a_search_goes_on_towards_and_away() -> None:
     # From 4, others at 0 and 14: half way 2 and 9, a tenth away 4.4 and 3.
-    assert nearby_targets(4.0, np.array([0.0, 14.0])) == pytest.approx([2, 9, 4.4, 3])
+    assert nearby_targets(4.0, [0.0, 14.0]) == pytest.approx([2, 9, 4.4, 3])
 
 
 def test_an_unknown_sampler_is_an_error() -> None:

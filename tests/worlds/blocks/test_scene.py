@@ -14,12 +14,11 @@ from relforest.worlds.blocks.scene import (
     describe,
     describe_state,
     extents,
-    is_block,
     locations,
     scene,
     virtual_objects,
 )
-from worlds.blocks.staged_blocks import LONG, UPRIGHT, staged
+from worlds.blocks.staged_blocks import LONG, staged
 
 RED = (1.0, 0.0, 0.0)
 
@@ -65,19 +64,15 @@ def test_a_virtual_object_has_a_location_only() -> None:
     objects = virtual_objects(np.array([-3.5, 1e9]))
     assert locations(objects).tolist() == [[-3.5, 0.0], [FARTHEST, 0.0]]
     assert np.isnan(objects[:, 2:]).all()
-    assert is_block(objects).tolist() == [False, False]
-    assert is_block(describe_state(staged((LONG, (0, 4, UPRIGHT))))).tolist() == [True]
 
 
 def test_a_lost_block_is_shown_within_bounds() -> None:
     assert locations(describe_state(staged((LONG, (5000, -7000, 0))))).tolist() == [[1000, -1000]]
 
 
-def test_the_scene_names_blocks_and_targets() -> None:
-    objects = np.concatenate(
-        [describe_state(staged((LONG, (0, 2, 0)))), virtual_objects(np.array([1.0, 2.0]))]
-    )
-    found = scene(objects, [17])
-    assert found.object_ids.tolist() == ["block_17", "target_0", "target_1"]
+def test_the_scene_names_its_blocks() -> None:
+    objects = describe_state(staged((LONG, (0, 2, 0)), (LONG, (9, 2, 0))))
+    found = scene(objects, [17, 18])
+    assert found.object_ids.tolist() == ["block_17", "block_18"]
     assert len(found) == 1
     np.testing.assert_array_equal(found.matrix, objects)

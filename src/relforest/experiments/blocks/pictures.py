@@ -45,11 +45,13 @@ def _settle_figure(samples: Samples) -> Figure:
         axes = figure.add_subplot(1, 2, place + 1)
         steps = np.sort(samples[SETTLE, scenario, "steps"])
         axes.plot(steps, np.arange(1, len(steps) + 1) / len(steps), color=BLUE, label="ours")
-        for name, color, marker in ((AUTHOR, INK, "o"), (PLAIN, ORANGE, "D")):
+        for name, color, marker, size in ((AUTHOR, INK, "o", 9), (PLAIN, ORANGE, "D", 5)):
             reference = SETTLE_REFERENCE[scenario, name]
             steps_known = (reference["median"], reference["p90"], 500)
             shares = (0.5, 0.9, 1 - reference["over"])
-            axes.plot(steps_known, shares, marker, color=color, markerfacecolor=PAPER, label=name)
+            axes.plot(
+                steps_known, shares, marker, color=color, markersize=size, markerfacecolor=PAPER, label=name
+            )
         axes.set_xlim(0, _LONGEST_SHOWN)
         axes.set_ylim(0, 1.03)
         axes.set_title(scenario, loc="left")

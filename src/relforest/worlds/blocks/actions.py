@@ -7,7 +7,7 @@ and go; so an action keeps its number, and is unavailable while one of its objec
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import permutations
 from typing import Final, final
 
@@ -19,6 +19,36 @@ from relforest.support.errors import InputError
 
 TARGET: Final = "target"
 """The parameter that is bound to a virtual object: a place instead of a block."""
+
+
+_REMEMBERED: Final = 64
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Offer:
+    """The ground actions that are available while certain objects are there.
+
+    Parameters
+    ----------
+    types : (m,) int64
+        Position among the action types.
+    arguments : (m, k) int64
+        Bound objects, counted among those that are there; `UNBOUND` beyond the arity.
+    indices : (m,) int64
+        Numbers of the actions, ascending.
+    mask : (n,) int8
+        1 for these of all n actions.
+    """
+
+    types: NDArray[np.int64]
+    arguments: NDArray[np.int64]
+    indices: NDArray[np.int64]
+    mask: NDArray[np.int8]
+
+    def __post_init__(self) -> None:
+        for array in (self.types, self.arguments, self.indices, self.mask):
+            array.flags.writeable = False
 
 
 @final
@@ -40,39 +70,46 @@ class FlatActions:
     types: NDArray[np.int64]
     slots: NDArray[np.int64]
     targets: NDArray[np.int64]
+    _offers: dict[bytes, Offer] = field(init=False, repr=False, default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of ground actions."""
         return len(self.types)
 
-    def decision(
-        self, objects: NDArray[np.float64], present: NDArray[np.bool_], movers: NDArray[np.int64]
-    ) -> Decision:
-        """Return the actions whose objects are all there.
+    def offer(self, present: NDArray[np.bool_], movers: NDArray[np.int64]) -> Offer:
+        """Return the actions whose objects are all there; offers are remembered, for most are made again.
 
         Parameters
         ----------
-        objects : (m, w) float64
-            The objects that are there, in the order of their slots.
         present : (n_slots,) bool
-            Which slots they have.
+            Which slots have an object.
         movers : (n_targets,) int64
             The slot of the block that each target is for.
         """
+        key = present.tobytes() + movers.tobytes()
+        offer = self._offers.get(key)
+        if offer is None:
+            if len(self._offers) >= _REMEMBERED:
+                self._offers.clear()
+            offer = self._offers[key] = self._offer(present, movers)
+        return offer
+
+    def nothing(self) -> Offer:
+        """Return the offer of a terminal state, which holds no action."""
+        none = np.empty(0, dtype=np.int64)
+        return Offer(none, self.slots[none], none, np.zeros(len(self), dtype=np.int8))
+
+    def _offer(self, present: NDArray[np.bool_], movers: NDArray[np.int64]) -> Offer:
         rows = np.where(present, np.cumsum(present) - 1, UNBOUND)
         slots = self.slots.copy()
         aimed = self.targets != UNBOUND
         if aimed.any():
             slots[aimed, 0] = movers[self.targets[aimed]]
         is_used = slots != UNBOUND
-        indices = np.flatnonzero((present[slots] | ~is_used).all(axis=1))
+        is_available = (present[slots] | ~is_used).all(axis=1)
+        indices = np.flatnonzero(is_available)
         arguments = np.where(is_used, rows[slots], UNBOUND)
-        return Decision(objects, self.types[indices], arguments[indices], indices)
-
-    def nothing(self, objects: NDArray[np.float64]) -> Decision:
-        """Return the decision of a terminal state, which offers no action."""
-        none = np.empty(0, dtype=np.int64)
-        return Decision(objects, none, self.slots[none], none)
+        return Offer(self.types[indices], arguments[indices], indices, is_available.astype(np.int8))
 
 
 def flat_actions(action_types: tuple[ActionType, ...], n_blocks: int, n_targets: int) -> FlatActions:

@@ -8,6 +8,7 @@ Palmer (2015), section 7.4.3 and figure 7.15.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import final
 
 import numpy as np
@@ -43,6 +44,7 @@ class Arch:
         return (self.high_x - self.low_x) * (self.high_y - self.low_y)
 
 
+@lru_cache(maxsize=4)
 def find_arch(state: BlocksState) -> Arch | None:
     """Return the best arch of a state, or None.
 

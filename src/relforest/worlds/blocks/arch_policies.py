@@ -9,7 +9,7 @@ Palmer (2015), section 7.4.3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Protocol, final
 
 import numpy as np
@@ -135,8 +135,11 @@ class TrainerPolicy:
         kept = np.arange(len(decision))
         if plan is not None:
             kept = np.delete(kept, _planned_move(decision, plan))
-        sampled = Decision(
-            decision.objects, decision.types[kept], decision.arguments[kept], decision.indices[kept]
+        sampled = replace(
+            decision,
+            types=decision.types[kept],
+            arguments=decision.arguments[kept],
+            indices=decision.indices[kept],
         )
         return int(kept[self.exploration.choose(sampled, rng)])
 

@@ -13,9 +13,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
-from relforest.support.options import one_of
-from relforest.worlds.blocks.noise import Noise, spread
-from relforest.worlds.blocks.overlap import OVERLAPS, Overlap, overlapping
+from relforest.worlds.blocks.handling import Handling
+from relforest.worlds.blocks.noise import spread
+from relforest.worlds.blocks.overlap import overlapping
 from relforest.worlds.blocks.simulation import MAX_STAGE_STEPS, STEPS_PER_SECOND, BlocksSimulation
 
 LIFT_CLEARANCE: Final = 5.0
@@ -69,24 +69,20 @@ class Arm:
         Changed in place.
     block : int
         Id of the block.
-    noise : Noise
-        The errors of the robot.
-    overlap : {"original", "interval"}
-        How the blocks below are found (`overlap.overlapping`).
+    handling : Handling
+        How precisely it works, and what it takes for below.
 
     Raises
     ------
     InputError
-        If the block is not on the table, or ``overlap`` is another word.
+        If the block is not on the table.
     """
 
-    def __init__(self, sim: BlocksSimulation, block: int, noise: Noise, overlap: Overlap) -> None:
+    def __init__(self, sim: BlocksSimulation, block: int, handling: Handling) -> None:
         sim.index(block)
-        one_of("overlap", overlap, OVERLAPS)
         self._sim = sim
         self._block = block
-        self._noise = noise
-        self._overlap = overlap
+        self._handling = handling
         self._start = sim.steps
         self._timeouts = 0
         self._grasped = False
@@ -98,7 +94,7 @@ class Arm:
 
     def grasp(self) -> None:
         """Hold the block near its centre."""
-        noise, rng = self._noise.grasp, self._sim.rng
+        noise, rng = self._handling.noise.grasp, self._sim.rng
 
         def near_center() -> Point:
             angle = self._sim.pose(self._block)[2]
@@ -119,7 +115,7 @@ class Arm:
             sign = 1.0 if self._half_turns() >= 0 else -1.0
             turned = self._is_turned()
             half = half_height if turned else half_width
-            x, y = spread(self._sim.rng, self._noise.rotate * half)
+            x, y = spread(self._sim.rng, self._handling.noise.rotate * half)
             if turned:
                 return x, y - sign * SWING_POINT * half
             return x + sign * SWING_POINT * half, y
@@ -155,7 +151,8 @@ class Arm:
 
         def just_above() -> Point:
             bounds, i = self._sim.bounds.tolist(), self._sim.index(self._block)
-            top = max([0.0, *(bounds[other][3] for other in overlapping(bounds, i, overlap=self._overlap))])
+            below = overlapping(bounds, i, overlap=self._handling.overlap)
+            top = max([0.0, *(bounds[other][3] for other in below)])
             distance = max(0.0, bounds[i][2] - (top + DROP_CLEARANCE))
             return x(), self._sim.pose(self._block)[1] - distance
 
@@ -200,7 +197,7 @@ class Arm:
         if self._sim.held != self._block:
             return
         goal_x, goal_y = goal()
-        error_x, error_y = spread(self._sim.rng, self._noise.carry)
+        error_x, error_y = spread(self._sim.rng, self._handling.noise.carry)
         x, y = goal_x + error_x, goal_y + error_y
         if max(abs(x), abs(y)) <= FARTHEST_GOAL:
             _, ended = self._sim.carry((x, y), MAX_STAGE_STEPS)

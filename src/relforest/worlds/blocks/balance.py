@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
@@ -32,7 +33,7 @@ _LAST_LOOK: Final = 540
 
 
 def balance_scale_scenes(
-    rng: np.random.Generator, n: int, n_weights: tuple[int, int] = (1, 4)
+    rng: np.random.Generator, n: int, n_weights: Sequence[int] = (1, 4)
 ) -> tuple[Scenes, NDArray[np.bool_]]:
     """Draw scenes of weights on a beam, labelled with whether its left end goes down.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -37,7 +38,8 @@ class Block:
     Raises
     ------
     InputError
-        If the id is negative, a half extent is not a finite positive number, or a colour is outside [0, 1].
+        If the id is negative, a half extent is not a finite positive number, a part of the colour is outside
+        [0, 1], or there are not two and three of them.
     """
 
     id: int
@@ -46,16 +48,20 @@ class Block:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "id", at_least("id of a block", self.id, 0))
-        half_extents, color = tuple(self.half_extents), tuple(self.color)
-        if len(half_extents) != 2 or len(color) != 3:
-            raise InputError(
-                f"a block has two half extents and three parts of colour, got {half_extents} and {color}"
-            )
         halves = [
-            in_range("half extent", half, 0, math.inf, open_low=True, open_high=True) for half in half_extents
+            in_range("half extent", half, 0, math.inf, open_low=True, open_high=True)
+            for half in _numbers("half_extents", self.half_extents, 2)
         ]
+        parts = [in_range("color", part, 0, 1) for part in _numbers("color", self.color, 3)]
         object.__setattr__(self, "half_extents", tuple(halves))
-        object.__setattr__(self, "color", tuple(in_range("color", part, 0, 1) for part in color))
+        object.__setattr__(self, "color", tuple(parts))
+
+
+def _numbers(name: str, values: object, n: int) -> list[float]:
+    numbers = list(values) if isinstance(values, Iterable) else []
+    if len(numbers) != n:
+        raise InputError(f"{name} of a block must be {n} numbers, got {values!r}")
+    return numbers
 
 
 def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tuple[Block, ...]:

@@ -1,13 +1,15 @@
 """One box of the engine, with its state as memory that Box2D keeps up to date.
 
-Box2D hands out references to pairs of numbers inside a body or a spring, not copies. Read and written as
-memory they take a tenth of the time of a call. A reference is good as long as the body or the spring exists.
+Box2D hands out references to numbers inside a body or a spring, not copies. Read and written as memory they
+take a tenth of the time of a call. A reference is good as long as the body or the spring exists.
 """
 
 from __future__ import annotations
 
 import ctypes
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
+
+_PROBE: Final = (1.0, 2.0, 3.0)
 
 
 class Box(NamedTuple):
@@ -16,7 +18,7 @@ class Box(NamedTuple):
     body: Any  # of Box2D
     half_extents: tuple[float, float]
     center: memoryview[float]  # x, y
-    velocity: memoryview[float]  # x, y; per second of the physics
+    velocity: memoryview[float]  # x, y and spin, per second of the physics
     rotation: memoryview[float]  # sine and cosine of the angle
 
     def bounds(self) -> tuple[float, float, float, float]:
@@ -29,42 +31,46 @@ class Box(NamedTuple):
 
     def is_moving(self, speed: float, spin: float) -> bool:
         """Tell whether the box is not slower than both."""
-        x, y = self.velocity
-        return x * x + y * y >= speed * speed or bool(abs(self.body.angularVelocity) >= spin)
+        x, y, turn = self.velocity
+        return x * x + y * y >= speed * speed or abs(turn) >= spin
 
 
 def box_of(body: Any, half_extents: tuple[float, float]) -> Box:  # noqa: ANN401 - Box2D ships no types
-    """Return the box that a body is."""
+    """Return the box that a body at rest is."""
     rotation = body.transform.q
+    # Zeros are everywhere in memory: to tell where the velocity is kept, the body is given one for a moment.
+    body.linearVelocity, body.angularVelocity = _PROBE[:2], _PROBE[2]
+    velocity = shared(body.linearVelocity, *_PROBE)
+    body.linearVelocity, body.angularVelocity = (0.0, 0.0), 0.0
     return Box(
         body,
         half_extents,
-        shared_pair(body.position, *body.position),
-        shared_pair(body.linearVelocity, *body.linearVelocity),
-        shared_pair(rotation, rotation.s, rotation.c),
+        shared(body.position, *body.position),
+        velocity,
+        shared(rotation, rotation.s, rotation.c),
     )
 
 
-def shared_pair(reference: Any, first: float, second: float) -> memoryview[float]:  # noqa: ANN401 - as above
-    """Return the two numbers that a reference of Box2D stands for as memory, to read and to write.
+def shared(reference: Any, *numbers: float) -> memoryview[float]:  # noqa: ANN401 - as above
+    """Return numbers of Box2D as memory, to read and to write.
 
     Parameters
     ----------
     reference : b2Vec2 or b2Rot
-        Inside a body or a joint.
-    first, second : float
-        What the two numbers are now.
+        Inside a body or a joint: where the numbers begin.
+    *numbers : float
+        What they are now.
 
     Raises
     ------
     RuntimeError
         If they are something else: this build of Box2D keeps them in another way.
     """
-    pair: memoryview[Any] = memoryview((ctypes.c_float * 2).from_address(int(reference.this)))
-    pair = pair.cast("B").cast("f")
-    if tuple(pair) != (first, second):
+    there: memoryview[Any] = memoryview((ctypes.c_float * len(numbers)).from_address(int(reference.this)))
+    there = there.cast("B").cast("f")
+    if tuple(there) != numbers:
         raise RuntimeError(
-            f"{type(reference).__name__} of Box2D is not kept as {(first, second)} in memory but as "
-            f"{tuple(pair)}; install Box2D 2.3.10"
+            f"{type(reference).__name__} of Box2D is not kept as {numbers} in memory but as {tuple(there)}; "
+            "install Box2D 2.3.10"
         )
-    return pair
+    return there

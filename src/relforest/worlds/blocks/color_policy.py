@@ -54,7 +54,7 @@ class ColorPolicy:
 def _improvement(decision: Decision) -> int | None:
     """Return the position of the action that the policy asks for, if there is one."""
     box, rgb, groups = _groups(decision)
-    center = np.array([rgb[group[prototype(rgb[group], _RGB.difference)]] for group in groups])
+    center = rgb[[_prototype(rgb, group) for group in groups]]
     own = np.empty(len(rgb), dtype=np.int64)
     for number, group in enumerate(groups):
         own[group] = number
@@ -69,6 +69,12 @@ def _improvement(decision: Decision) -> int | None:
     single, joined = np.unravel_index(np.argmin(distances), distances.shape)
     group = groups[joined]
     return position_of(decision, _PUT, int(singles[single]), int(group[np.argmax(box[group, 3])]))
+
+
+def _prototype(rgb: NDArray[np.float64], group: NDArray[np.int64]) -> int:
+    if len(group) == 1:
+        return int(group[0])
+    return int(group[prototype(rgb[group], _RGB.difference)])
 
 
 def _least_change(decision: Decision) -> int:

@@ -7,8 +7,8 @@ from typing import final
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
-from relforest.worlds.blocks.options import Noise, OptionResult, done, isolate, move, put, rotate
-from relforest.worlds.blocks.overlap import Overlap
+from relforest.worlds.blocks.handling import Handling
+from relforest.worlds.blocks.options import OptionResult, done, isolate, move, put, rotate
 from relforest.worlds.blocks.simulation import BlocksSimulation
 
 
@@ -27,8 +27,15 @@ class Command:
     name: str
     arguments: tuple[float, ...] = ()
 
+    def __str__(self) -> str:
+        """Return the command as it is written, such as ``put(3, 1)`` or ``move(2, x = -16.7)``."""
+        words = [f"{argument:.0f}" for argument in self.arguments]
+        if self.name == "move" and len(words) == 2:
+            words[1] = f"x = {self.arguments[1]:.1f}".replace("-", "\N{MINUS SIGN}")
+        return f"{self.name}({', '.join(words)})" if words else self.name
 
-def run_command(sim: BlocksSimulation, command: Command, *, noise: Noise, overlap: Overlap) -> OptionResult:
+
+def run_command(sim: BlocksSimulation, command: Command, handling: Handling) -> OptionResult:
     """Carry out a command from its beginning to its end.
 
     Parameters
@@ -36,8 +43,8 @@ def run_command(sim: BlocksSimulation, command: Command, *, noise: Noise, overla
     sim : BlocksSimulation
         Changed in place.
     command : Command
-    noise, overlap
-        As for the options.
+    handling : Handling
+        How the robot handles blocks.
 
     Raises
     ------
@@ -47,13 +54,13 @@ def run_command(sim: BlocksSimulation, command: Command, *, noise: Noise, overla
     """
     match command.name, command.arguments:
         case "put", (block, destination):
-            return put(sim, _id(block), _id(destination), noise=noise, overlap=overlap)
+            return put(sim, _id(block), _id(destination), handling=handling)
         case "rotate", (block,):
-            return rotate(sim, _id(block), noise=noise, overlap=overlap)
+            return rotate(sim, _id(block), handling=handling)
         case "isolate", (block,):
-            return isolate(sim, _id(block), noise=noise, overlap=overlap)
+            return isolate(sim, _id(block), handling=handling)
         case "move", (block, x):
-            return move(sim, _id(block), x, noise=noise, overlap=overlap)
+            return move(sim, _id(block), x, handling=handling)
         case "done", ():
             return done(sim)
     raise InputError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
@@ -32,7 +33,7 @@ _AFTER_REST: Final = 5
 
 
 def drop_on_scenes(
-    rng: np.random.Generator, n: int, n_interferers: tuple[int, int] = (0, 3)
+    rng: np.random.Generator, n: int, n_interferers: Sequence[int] = (0, 3)
 ) -> tuple[Scenes, NDArray[np.bool_]]:
     """Draw scenes of a block in the air, labelled with whether it comes to rest over the support.
 

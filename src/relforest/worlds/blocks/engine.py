@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
 from relforest.support.options import in_range
-from relforest.worlds.blocks.box import Box, box_of, shared_pair
+from relforest.worlds.blocks.box import Box, box_of, shared
 
 with warnings.catch_warnings():
     # Its wrapper warns while it is loaded, and cannot stand that a filter turns the warning into an error.
@@ -113,6 +113,7 @@ class Engine:
         self._boxes: dict[int, Box] = {}
         self._next_key = 0
         self._grip: _Grip | None = None
+        self._released: tuple[float, float] | None = None
         self._sure_steps = 0
         self._step: Callable[[float, int, int], None] = self._world.Step
 
@@ -131,6 +132,15 @@ class Engine:
     def held(self) -> int | None:
         """Key of the box that is held, or None."""
         return None if self._grip is None else self._grip.key
+
+    @property
+    def tool(self) -> tuple[float, float] | None:
+        """X and y of the point where a box is held, or was held last; None if none ever was."""
+        if self._grip is None:
+            return self._released
+        box, (x, y) = self._boxes[self._grip.key], self._grip.point
+        sine, cosine = box.rotation
+        return box.center[0] + cosine * x - sine * y, box.center[1] + sine * x + cosine * y
 
     def add_box(
         self, half_extents: tuple[float, float], position: tuple[float, float], angle: float = 0.0
@@ -156,12 +166,11 @@ class Engine:
         body = self._world.CreateDynamicBody(
             position=(x, y), angle=in_range("angle", angle, -FARTHEST, FARTHEST)
         )
-        body.CreatePolygonFixture(
-            box=(width, height), density=DENSITY, friction=FRICTION, restitution=RESTITUTION
-        )
         key = self._next_key
         self._next_key += 1
-        body.userData = key
+        body.CreatePolygonFixture(
+            box=(width, height), density=DENSITY, friction=FRICTION, restitution=RESTITUTION, userData=key
+        )
         self._boxes[key] = box_of(body, (width, height))
         self._sure_steps = 0
         return key
@@ -187,7 +196,7 @@ class Engine:
 
     def velocities(self) -> NDArray[np.float64]:
         """Return (n, 3): velocity x and y, and spin, of each box, per second of the physics."""
-        rows = [(*box.velocity, box.body.angularVelocity) for box in self._boxes.values()]
+        rows = [tuple(box.velocity) for box in self._boxes.values()]
         return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
     def bounds(self) -> NDArray[np.float64]:
@@ -214,9 +223,10 @@ class Engine:
         """Return the pairs of boxes that touch, the smaller key first; the table is left out."""
         pairs = set()
         for contact in self._world.contacts:
-            first, second = contact.fixtureA.body.userData, contact.fixtureB.body.userData
-            if contact.touching and first is not None and second is not None:
-                pairs.add((min(first, second), max(first, second)))
+            if contact.touching:
+                first, second = contact.fixtureA.userData, contact.fixtureB.userData
+                if first is not None and second is not None:
+                    pairs.add((min(first, second), max(first, second)))
         return frozenset(pairs)
 
     def step(self, n: int = 1) -> None:
@@ -277,7 +287,7 @@ class Engine:
         self.let_go()
         box.body.awake = True
         joints = tuple(self._fasten(box, spring) for spring in springs)
-        main, *others = (shared_pair(joint.target, *joint.target) for joint in joints)
+        main, *others = (shared(joint.target, *joint.target) for joint in joints)
         supports = [(target, target[0] - main[0], target[1] - main[1]) for target in others]
         # Springs that are missing pull at nothing, so that there are always two.
         nowhere: memoryview[Any] = memoryview(array("f", (0.0, 0.0)))
@@ -287,6 +297,7 @@ class Engine:
     def let_go(self) -> None:
         """Release the box that is held, if there is one."""
         if self._grip is not None:
+            self._released = self.tool
             for joint in self._grip.joints:
                 self._world.DestroyJoint(joint)
             self._grip = None
@@ -332,9 +343,8 @@ class Engine:
         for taken in range(1, steps + 1):
             step(PHYSICS_STEP, ITERATIONS, ITERATIONS)
             if last is not None:
-                velocity = last.velocity
-                x, y = velocity[0], velocity[1]
-                if x * x + y * y >= square or abs(last.body.angularVelocity) >= spin:
+                x, y, turn = last.velocity
+                if x * x + y * y >= square or abs(turn) >= spin:
                     continue
             last = next((box for box in boxes if box.is_moving(speed, spin)), None)
             if last is None:
@@ -349,11 +359,10 @@ class Engine:
         left_x, left_y, right_x, right_y = x + left_x, y + left_y, x + right_x, y + right_y
         dt, iterations, low, high = PHYSICS_STEP, ITERATIONS, x - ARRIVED, x + ARRIVED
         for taken in range(1, steps + 1):
-            sine = rotation[0]
-            cosine = rotation[1]
+            sine, cosine = rotation
             turned_x = cosine * point_x - sine * point_y
             turned_y = sine * point_x + cosine * point_y
-            if velocity[0] == 0 == velocity[1]:
+            if not velocity[0] and not velocity[1]:
                 # It may be asleep; to be told of a target wakes it.
                 grip.joints[0].target = (x + turned_x, y + turned_y)
             main[0] = x + turned_x
@@ -365,7 +374,7 @@ class Engine:
             step(dt, iterations, iterations)
             if low < center[0] < high:
                 miss_x, miss_y = center[0] - x, center[1] - y
-                speed_x, speed_y = velocity
+                speed_x, speed_y = velocity[0], velocity[1]
                 if (
                     miss_x * miss_x + miss_y * miss_y < ARRIVED * ARRIVED
                     and speed_x * speed_x + speed_y * speed_y < REST_SPEED * REST_SPEED
@@ -391,10 +400,11 @@ class Engine:
         """Remove the boxes that are lost, and find out for how many steps no other can be."""
         room = self._edge
         for key, box in tuple(self._boxes.items()):
-            x, y = box.center[0], box.center[1]
+            x, y = box.center
             if y > 0:
                 # Above the table a box stays above it until its centre has passed the edge.
-                room = min(room, self._edge - abs(x))
+                if abs(x) > self._edge - room:
+                    room = self._edge - abs(x)
             elif y >= LOST or box.bounds()[3] >= LOST:
                 room = 0.0
             else:

@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, one_of
-from relforest.worlds.blocks.actions import flat_actions
 from relforest.worlds.blocks.command import Command, run_command
-from relforest.worlds.blocks.moment import Moment, moment, observation_space
-from relforest.worlds.blocks.options import Noise, OptionResult
-from relforest.worlds.blocks.overlap import OVERLAPS, Overlap
+from relforest.worlds.blocks.handling import Handling
+from relforest.worlds.blocks.moment import Moment, Watcher, observation_space
+from relforest.worlds.blocks.options import OptionResult
 from relforest.worlds.blocks.scene import SCHEMA, locations
 from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
-from relforest.worlds.blocks.state import BlocksState, state_of
+from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import (
     ARCH_SIZE,
     DISCOUNT,
@@ -39,7 +38,7 @@ from relforest.worlds.blocks.viewer import BlocksViewer
 
 _Arrays = dict[str, NDArray[Any]]
 _Info = dict[str, Any]
-_NOISE = Noise()
+_HANDLING = Handling()
 _NOTHING = OptionResult(0.0, 0, 0, grasped=False)
 
 
@@ -80,10 +79,8 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         Blocks of an episode, at least 1.
     max_actions : int
         Actions per episode, at least 1.
-    noise : Noise
-        The errors of the robot.
-    overlap : {"original", "interval"}
-        How the robot tells which blocks are below, see `relforest.worlds.blocks.overlap`.
+    handling : Handling
+        How the robot handles blocks.
 
     Raises
     ------
@@ -115,26 +112,24 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         *,
         n_blocks: int,
         max_actions: int = MAX_ACTIONS,
-        noise: Noise = _NOISE,
-        overlap: Overlap = "original",
+        handling: Handling = _HANDLING,
     ) -> None:
         self.task = task
         self.n_blocks = at_least("n_blocks", n_blocks, 1)
         self.max_actions = at_least("max_actions", max_actions, 1)
-        if not isinstance(noise, Noise):
-            raise InputError(f"noise must be a Noise, such as Noise.none(), got {noise!r}")
-        one_of("overlap", overlap, OVERLAPS)
+        if not isinstance(handling, Handling):
+            raise InputError(f"handling must be a Handling, such as Handling(), got {handling!r}")
         if render_mode is not None:
             one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode, self._noise, self._overlap = render_mode, noise, overlap
-        n_targets = 0 if task.sampler is None else task.sampler.size(self.n_blocks)
-        self._actions = flat_actions(task.action_types, self.n_blocks, n_targets)
-        self.observation_space = observation_space(self.n_blocks + n_targets)
-        self.action_space = spaces.Discrete(len(self._actions))
+        self.render_mode, self._handling = render_mode, handling
+        self._watcher = Watcher(task, self.n_blocks)
+        self.observation_space = observation_space(self._watcher.n_slots)
+        self.action_space = spaces.Discrete(self._watcher.n_actions)
         self._simulation: BlocksSimulation | None = None
         self._moment: Moment | None = None
-        self._slots = np.empty(0, dtype=np.int64)
         self._taken = 0
+        self._last: Command | None = None
+        self._reward = 0.0
         self._viewer: BlocksViewer | None = None
 
     @property
@@ -173,7 +168,8 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         self._simulation.rng = self.np_random
         blocks = self.task.blocks(self.np_random, self.n_blocks, self._simulation.next_id)
         self._simulation.drop(blocks, turned=self.task.turned)
-        self._slots, self._taken = np.array([block.id for block in blocks]), 0
+        self._watcher.begin(np.array([block.id for block in blocks]))
+        self._taken = 0
         self._look()
         return self.moment.observation(), self._info()
 
@@ -183,7 +179,7 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         self._check_running()
         position = np.flatnonzero(self.moment.decision.indices == index)
         if not len(position):
-            return self._stepped("", _NOTHING)
+            return self._stepped(None, _NOTHING)
         command = self.command(int(position[0]))
         return self.perform(command.name, *command.arguments)
 
@@ -200,9 +196,7 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         self._check_running()
         one_of("action", name, [action_type.name for action_type in self.task.action_types])
         command = Command(name, arguments)
-        return self._stepped(
-            name, run_command(self.simulation, command, noise=self._noise, overlap=self._overlap)
-        )
+        return self._stepped(command, run_command(self.simulation, command, self._handling))
 
     def command(self, position: int) -> Command:
         """Return what an available action does, with ids and the target as `perform` takes them.
@@ -232,10 +226,13 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         takes none then.
         Wrappers do not pass the method on: use ``env.get_wrapper_attr("action_masks")()``.
         """
-        return np.isin(np.arange(len(self._actions)), self.moment.decision.indices)
+        return self.moment.action_mask.astype(np.bool_)
 
     def render(self) -> NDArray[np.uint8]:
-        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
+        """Return a picture of the present state, (height, width, 3) uint8 RGB.
+
+        It tells what was done last and earned, or what the task is, and shows where the robot let go.
+        """
         if self.render_mode is None:
             raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
         if self._viewer is None:
@@ -246,16 +243,25 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
             state.poses,
             state.colors,
             ids=state.ids.tolist(),
+            caption=self._caption(),
+            tool=self.simulation.tool,
             time=self.simulation.time,
             score=f"{self.task.score_name.replace('_', ' ')} {self.moment.score:.2f}",
         )
 
+    def _caption(self) -> str:
+        if not self._taken:
+            return self.task.name.replace("-", " ")
+        done = "unavailable action" if self._last is None else str(self._last)
+        earned = f"{self._reward:+.2f}".replace("-", "\N{MINUS SIGN}")
+        return f"{done}: {earned if abs(self._reward) >= 0.005 else '0.00'}"
+
     def _checked(self, action: SupportsIndex) -> int:
         try:
-            return range(len(self._actions)).index(operator.index(action))
+            return range(self._watcher.n_actions).index(operator.index(action))
         except (TypeError, ValueError):
             raise InputError(
-                f"action must be an integer from 0 to {len(self._actions) - 1}, got {action!r}"
+                f"action must be an integer from 0 to {self._watcher.n_actions - 1}, got {action!r}"
             ) from None
 
     def _check_running(self) -> None:
@@ -263,18 +269,19 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
             raise ResetNeeded(f"the episode ended after {self._taken} actions: call reset() first")
 
     def _look(self, *, ended: bool = False) -> None:
-        sim = self.simulation
-        state = state_of(sim.blocks, sim.poses, sim.contacts)
-        self._moment = moment(state, self.task, self._actions, self._slots, ended=ended)
+        self._moment = self._watcher.look(self.simulation.state, ended=ended)
 
     def _info(self) -> _Info:
-        return self.moment.info(len(self._actions)) | {self.task.score_name: self.moment.score}
+        return self.moment.info() | {self.task.score_name: self.moment.score}
 
-    def _stepped(self, name: str, result: OptionResult) -> tuple[_Arrays, float, bool, bool, _Info]:
-        before = self.moment.score
+    def _stepped(
+        self, command: Command | None, result: OptionResult
+    ) -> tuple[_Arrays, float, bool, bool, _Info]:
+        before, name = self.moment.score, "" if command is None else command.name
         self._taken += 1
         self._look(ended=name == DONE.name)
         reward = self.task.reward(name, before, self.moment.score)
+        self._last, self._reward = command, reward
         terminated = not len(self.moment.decision)
         info = self._info()
         info["duration"], info["option"] = result.duration, result
@@ -289,8 +296,7 @@ def high_towers_env(
     sides: tuple[float, float] = SIDES,
     n_blocks: int = 5,
     max_actions: int = MAX_ACTIONS,
-    noise: Noise = _NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> BlocksEnv:
     """Return the task of building high: each action is paid the change of the mean height of the blocks.
 
@@ -298,13 +304,11 @@ def high_towers_env(
     ----------
     sides : pair of float
         Least and greatest side of a block, from 0.02 to 10.
-    render_mode, n_blocks, max_actions, noise, overlap
+    render_mode, n_blocks, max_actions, handling
         As for `BlocksEnv`.
     """
     task = high_towers(sides)
-    return BlocksEnv(
-        task, render_mode, n_blocks=n_blocks, max_actions=max_actions, noise=noise, overlap=overlap
-    )
+    return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
 
 
 def color_grouping_env(
@@ -314,8 +318,7 @@ def color_grouping_env(
     sides: tuple[float, float] = SIDES,
     n_blocks: int = 5,
     max_actions: int = MAX_ACTIONS,
-    noise: Noise = _NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> BlocksEnv:
     """Return the task of stacking blocks of similar colours: each action is paid the change of the score.
 
@@ -325,13 +328,11 @@ def color_grouping_env(
         How colours are compared.
     sides : pair of float
         Least and greatest side of a block, from 0.02 to 10.
-    render_mode, n_blocks, max_actions, noise, overlap
+    render_mode, n_blocks, max_actions, handling
         As for `BlocksEnv`.
     """
     task = color_grouping(distance, sides)
-    return BlocksEnv(
-        task, render_mode, n_blocks=n_blocks, max_actions=max_actions, noise=noise, overlap=overlap
-    )
+    return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
 
 
 def arch_env(
@@ -341,8 +342,7 @@ def arch_env(
     size: tuple[float, float] = ARCH_SIZE,
     n_blocks: int = 3,
     max_actions: int = MAX_ACTIONS,
-    noise: Noise = _NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> BlocksEnv:
     """Return the task of building an arch: only ``done`` is paid, with the area under the arch.
 
@@ -352,10 +352,8 @@ def arch_env(
         Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
     size : pair of float
         Width and height of all blocks, from 0.02 to 10.
-    render_mode, n_blocks, max_actions, noise, overlap
+    render_mode, n_blocks, max_actions, handling
         As for `BlocksEnv`.
     """
     task = arch(sampler, size)
-    return BlocksEnv(
-        task, render_mode, n_blocks=n_blocks, max_actions=max_actions, noise=noise, overlap=overlap
-    )
+    return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from relforest.scenes import Scenes
 from relforest.smdp import Decision
-from relforest.worlds.blocks.actions import FlatActions
+from relforest.worlds.blocks.actions import flat_actions
 from relforest.worlds.blocks.blocks import LARGEST_HALF
-from relforest.worlds.blocks.samplers import Targets
 from relforest.worlds.blocks.scene import FARTHEST, SCHEMA, describe_state, scene, virtual_objects
 from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import Task
+
+_COLUMNS: Final = tuple((name, SCHEMA.columns(name)) for name in SCHEMA.names)
+_NO_TARGETS: Final = np.empty(0, dtype=np.int64)
 
 
 @final
@@ -31,59 +34,98 @@ class Moment:
         What the task scores.
     present : (n_slots,) bool
         Which slots hold an object: one slot per block of the episode, then one per target.
-    targets : (n_targets,) float64
-        Where each target is, world units, NaN = there is none.
     decision : Decision
         Objects and available actions; no action after the end.
+    action_mask : (n_actions,) int8
+        1 for each of these actions.
+    scene : Scenes
+        The blocks.
     """
 
     state: BlocksState
     score: float
     present: NDArray[np.bool_]
-    targets: NDArray[np.float64]
     decision: Decision
+    action_mask: NDArray[np.int8]
+    scene: Scenes
 
     def observation(self) -> dict[str, NDArray[Any]]:
         """Return new padded arrays, 0 in empty slots and where an attribute is undefined."""
+        objects = self.decision.objects
         padded = np.zeros((len(self.present), SCHEMA.width))
-        padded[self.present] = np.nan_to_num(self.decision.objects)
-        arrays: dict[str, NDArray[Any]] = {
-            name: padded[:, SCHEMA.columns(name)].copy() for name in SCHEMA.names
-        }
-        return arrays | {"mask": self.present.astype(np.int8)}
+        # Of blocks everything is defined.
+        padded[self.present] = np.nan_to_num(objects) if self.decision.n_private else objects
+        arrays: dict[str, NDArray[Any]] = {name: padded[:, columns].copy() for name, columns in _COLUMNS}
+        arrays["mask"] = self.present.astype(np.int8)
+        return arrays
 
-    def info(self, n_actions: int) -> dict[str, Any]:
+    def info(self) -> dict[str, Any]:
         """Return what the conventions of `relforest.smdp` ask for at a state."""
-        mask = np.zeros(n_actions, dtype=np.int8)
-        mask[self.decision.indices] = 1
-        return {"scene": scene(self.decision.objects, self.state.ids.tolist()), "action_mask": mask}
+        return {"scene": self.scene, "action_mask": self.action_mask.copy()}
 
 
-def moment(
-    state: BlocksState, task: Task, actions: FlatActions, slots: NDArray[np.int64], *, ended: bool = False
-) -> Moment:
-    """Return what an agent is shown.
+@final
+class Watcher:
+    """Shows agents a task, moment after moment.
+
+    It keeps what stays the same as long as no block is lost.
 
     Parameters
     ----------
-    state : BlocksState
     task : Task
-    actions : FlatActions
-        Those of the task.
-    slots : (n_blocks,) int64
-        Ids of the blocks of the episode, ascending: block ``slots[i]`` has slot i.
-    ended : bool
-        Whether nothing follows.
+    n_blocks : int
+        Blocks of an episode.
     """
-    own = np.searchsorted(slots, state.ids)
-    targets = Targets(np.empty(0, np.int64), np.empty(0))
-    if task.sampler is not None:
-        targets = task.sampler.sample(state, own, len(slots))
-    is_there = ~np.isnan(targets.x)
-    objects = np.concatenate([describe_state(state), virtual_objects(targets.x[is_there])])
-    present = np.concatenate([np.isin(slots, state.ids), is_there])
-    decision = actions.nothing(objects) if ended else actions.decision(objects, present, targets.slots)
-    return Moment(state, task.score(state), present, targets.x, decision)
+
+    def __init__(self, task: Task, n_blocks: int) -> None:
+        self._task = task
+        n_targets = 0 if task.sampler is None else task.sampler.size(n_blocks)
+        self._actions = flat_actions(task.action_types, n_blocks, n_targets)
+        self._n_slots = n_blocks + n_targets
+        self._slots = np.empty(0, dtype=np.int64)
+        self._ids = self._own = self._slots
+        self._present = np.empty(0, dtype=np.bool_)
+        self._scene: Scenes | None = None
+
+    @property
+    def n_actions(self) -> int:
+        """Number of ground actions, available or not."""
+        return len(self._actions)
+
+    @property
+    def n_slots(self) -> int:
+        """Number of objects that there is room for."""
+        return self._n_slots
+
+    def begin(self, ids: NDArray[np.int64]) -> None:
+        """Begin an episode with these blocks, given in ascending order: ``ids[i]`` has slot i."""
+        self._slots, self._scene = ids, None
+
+    def look(self, state: BlocksState, *, ended: bool = False) -> Moment:
+        """Return what an agent is shown in a state of the episode.
+
+        Parameters
+        ----------
+        state : BlocksState
+        ended : bool
+            Whether nothing follows.
+        """
+        if self._scene is None or state.ids is not self._ids:
+            self._scene, self._ids = scene(describe_state(state), state.ids.tolist()), state.ids
+            self._own = np.searchsorted(self._slots, state.ids)
+            self._present = np.isin(self._slots, state.ids)
+        objects, present, movers = describe_state(state), self._present, _NO_TARGETS
+        shown = self._scene.with_matrix(objects)
+        if self._task.sampler is not None:
+            targets = self._task.sampler.sample(state, self._own, len(self._slots))
+            is_there = ~np.isnan(targets.x)
+            objects = np.concatenate([objects, virtual_objects(targets.x[is_there])])
+            present, movers = np.concatenate([present, is_there]), targets.slots
+        offer = self._actions.nothing() if ended else self._actions.offer(present, movers)
+        decision = Decision(
+            objects, offer.types, offer.arguments, offer.indices, n_private=len(objects) - len(state)
+        )
+        return Moment(state, self._task.score(state), present, decision, offer.mask, shown)
 
 
 def observation_space(n_slots: int) -> spaces.Dict:

@@ -15,11 +15,11 @@ import numpy as np
 from relforest.support.errors import InputError
 from relforest.support.options import in_range
 from relforest.worlds.blocks.arm import Arm, OptionResult
-from relforest.worlds.blocks.noise import Noise
-from relforest.worlds.blocks.overlap import Overlap, overlapping, widest_gap
+from relforest.worlds.blocks.handling import Handling
+from relforest.worlds.blocks.overlap import overlapping, widest_gap
 from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
 
-__all__ = ["Noise", "OptionResult", "done", "isolate", "move", "put", "rotate"]
+__all__ = ["OptionResult", "done", "isolate", "move", "put", "rotate"]
 
 GAP_BUFFER: Final = 2.0
 """Room on both sides of a block that is isolated between others."""
@@ -32,7 +32,7 @@ WAIT_DEVIATION: Final = 0.2
 SHORTEST_WAIT: Final = 0.5
 """Options without physical effect take a Gaussian time in seconds, drawn again if shorter than this."""
 
-_DEFAULT_NOISE = Noise()
+_HANDLING = Handling()
 
 
 def put(
@@ -40,8 +40,7 @@ def put(
     a: int,
     b: int,
     *,
-    noise: Noise = _DEFAULT_NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> OptionResult:
     """Lift block a, carry it above block b, lower it and let it go.
 
@@ -54,10 +53,8 @@ def put(
         Changed in place.
     a, b : int
         Ids of two blocks.
-    noise : Noise
-        The errors of the robot.
-    overlap : {"original", "interval"}
-        How the blocks below are found (`overlap.overlapping`).
+    handling : Handling
+        How the robot handles blocks.
 
     Raises
     ------
@@ -67,7 +64,7 @@ def put(
     sim.index(b)
     if a == b:
         raise InputError(f"a block cannot be put on itself, got {a!r} twice; name two blocks")
-    arm = Arm(sim, a, noise, overlap)
+    arm = Arm(sim, a, handling)
 
     def above_b() -> float:
         return sim.pose(b)[0] if b in sim else arm.x
@@ -84,8 +81,7 @@ def move(
     a: int,
     x: float,
     *,
-    noise: Noise = _DEFAULT_NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> OptionResult:
     """Lift block a, carry it to x, lower it and let it go: `put` with a place instead of a block.
 
@@ -98,10 +94,8 @@ def move(
     x : float
         Any finite number. Beyond the table, the block falls and is gone; farther than 200 from the middle,
         the robot gives up and drops the block where it was lifted.
-    noise : Noise
-        The errors of the robot.
-    overlap : {"original", "interval"}
-        How the blocks below are found (`overlap.overlapping`).
+    handling : Handling
+        How the robot handles blocks.
 
     Raises
     ------
@@ -109,7 +103,7 @@ def move(
         If the block is not on the table, or x is not a finite number.
     """
     target = in_range("x", x, -math.inf, math.inf, open_low=True, open_high=True)
-    arm = Arm(sim, a, noise, overlap)
+    arm = Arm(sim, a, handling)
     arm.grasp()
     arm.lift()
     arm.sideways(lambda: target)
@@ -121,8 +115,7 @@ def rotate(
     sim: BlocksSimulation,
     a: int,
     *,
-    noise: Noise = _DEFAULT_NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> OptionResult:
     """Lift block a by one end, so that it swings by a right angle, lower it and let it go.
 
@@ -134,17 +127,15 @@ def rotate(
         Changed in place.
     a : int
         Id of a block.
-    noise : Noise
-        The errors of the robot.
-    overlap : {"original", "interval"}
-        How the blocks below are found (`overlap.overlapping`).
+    handling : Handling
+        How the robot handles blocks.
 
     Raises
     ------
     InputError
         If the block is not on the table.
     """
-    arm = Arm(sim, a, noise, overlap)
+    arm = Arm(sim, a, handling)
     arm.grasp_to_turn()
     arm.lift_to_turn()
     arm.lower(lambda: arm.x)
@@ -155,8 +146,7 @@ def isolate(
     sim: BlocksSimulation,
     a: int,
     *,
-    noise: Noise = _DEFAULT_NOISE,
-    overlap: Overlap = "original",
+    handling: Handling = _HANDLING,
 ) -> OptionResult:
     """Carry block a to where no other block is above or below it; if that is so already, only wait.
 
@@ -169,18 +159,16 @@ def isolate(
         Changed in place.
     a : int
         Id of a block.
-    noise : Noise
-        The errors of the robot.
-    overlap : {"original", "interval"}
-        How the other blocks are found (`overlap.overlapping`).
+    handling : Handling
+        How the robot handles blocks.
 
     Raises
     ------
     InputError
         If the block is not on the table.
     """
-    arm = Arm(sim, a, noise, overlap)
-    if not overlapping(sim.bounds.tolist(), sim.index(a), overlap=overlap):
+    arm = Arm(sim, a, handling)
+    if not overlapping(sim.bounds.tolist(), sim.index(a), overlap=handling.overlap):
         return arm.wait(_waiting_steps(sim.rng))
     arm.grasp()
     arm.lift()

@@ -5,7 +5,7 @@ A *trial* is one such scene with its label; trials in which the outcome is undec
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -41,7 +41,7 @@ class Trial:
     outcome: bool | None
 
 
-def checked_range(name: str, limits: tuple[int, int], least: int) -> tuple[int, int]:
+def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, int]:
     """Return the smallest and the largest number of something, both included.
 
     Raises
@@ -49,10 +49,11 @@ def checked_range(name: str, limits: tuple[int, int], least: int) -> tuple[int, 
     InputError
         If these are no two integers, or not ``least <= smallest <= largest``.
     """
-    if not isinstance(limits, tuple) or len(limits) != 2:
+    values = tuple(limits) if isinstance(limits, Iterable) else ()
+    if len(values) != 2:
         raise InputError(f"{name} must be a pair (smallest, largest), got {limits!r}")
-    smallest = at_least(f"the smallest of {name}", limits[0], least)
-    return smallest, at_least(f"the largest of {name}", limits[1], smallest)
+    smallest = at_least(f"the smallest of {name}", values[0], least)
+    return smallest, at_least(f"the largest of {name}", values[1], smallest)
 
 
 def random_colors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:

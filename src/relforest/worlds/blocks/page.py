@@ -18,7 +18,7 @@ RATE: Final = 25
 
 SCORE_NAMES: Final = {
     "high-towers": "mean height",
-    "color-grouping": "color score",
+    "color-grouping": "colour score",
     "arch": "area of the arch",
 }
 """Name of a task -> what its score is."""

@@ -8,10 +8,8 @@ Palmer (2015), section 7.4.3 (the exploration policy).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, final
-
-import numpy as np
-from numpy.typing import NDArray
 
 from relforest.worlds.blocks.state import ON_TABLE, BlocksState, is_upright
 
@@ -42,6 +40,7 @@ class ArchPlan:
     x: float
 
 
+@lru_cache(maxsize=4)
 def arch_plan(state: BlocksState) -> ArchPlan | None:
     """Return the next steps towards an arch; None with fewer than three blocks.
 
@@ -60,44 +59,44 @@ def arch_plan(state: BlocksState) -> ArchPlan | None:
     """
     if len(state) < 3:
         return None
-    bounds, upright = state.bounds, is_upright(state.orientations)
-    from_left = np.argsort(state.poses[:, 0], kind="stable")
-    top = int(min(from_left, key=lambda block: bool(upright[block])))
-    others = sorted((int(block) for block in from_left if block != top), key=lambda block: not upright[block])
-    left, right = sorted(others[:2], key=lambda block: float(state.poses[block, 0]))
+    x, bounds = state.poses[:, 0].tolist(), state.bounds.tolist()
+    upright = is_upright(state.orientations).tolist()
+    from_left = sorted(range(len(x)), key=x.__getitem__)
+    top = min(from_left, key=upright.__getitem__)
+    others = sorted((block for block in from_left if block != top), key=lambda block: not upright[block])
+    left, right = sorted(others[:2], key=x.__getitem__)
     lying = tuple(block for block in (left, right) if not upright[block])
-    gap = float(bounds[top, 1] - bounds[top, 0]) - 2.0 * BUFFER
+    gap = bounds[top][1] - bounds[top][0] - 2.0 * BUFFER
     if _stand_well(bounds, gap, (top, left, right)):
-        return ArchPlan(top, lying, top, float(bounds[left, 1] + bounds[right, 0]) / 2.0)
-    return ArchPlan(top, lying, *_spacing_move(state.poses[:, 0], bounds, gap, (left, right)))
+        return ArchPlan(top, lying, top, (bounds[left][1] + bounds[right][0]) / 2.0)
+    return ArchPlan(top, lying, *_spacing_move(x, bounds, gap, (left, right)))
 
 
-def _stand_well(bounds: NDArray[np.float64], gap: float, blocks: tuple[int, int, int]) -> bool:
+def _stand_well(bounds: list[list[float]], gap: float, blocks: tuple[int, int, int]) -> bool:
     _, left, right = blocks
-    on_table = bounds[left, 2] <= ON_TABLE and bounds[right, 2] <= ON_TABLE
-    low, high = bounds[left, 1], bounds[right, 0]
-    return bool(on_table and abs(high - low - gap) <= BUFFER and _is_free(bounds, low, high, blocks))
+    on_table = bounds[left][2] <= ON_TABLE and bounds[right][2] <= ON_TABLE
+    low, high = bounds[left][1], bounds[right][0]
+    return on_table and abs(high - low - gap) <= BUFFER and _is_free(bounds, low, high, blocks)
 
 
 def _spacing_move(
-    x: NDArray[np.float64], bounds: NDArray[np.float64], gap: float, supports: tuple[int, int]
+    x: list[float], bounds: list[list[float]], gap: float, supports: tuple[int, int]
 ) -> tuple[int, float]:
     """Return the support to move, and where to, so that the other is a gap away from it."""
-    width = bounds[:, 1] - bounds[:, 0]
+    width = [right - left for left, right, _, _ in bounds]
     moves = []
     for mover, anchor in (supports, supports[::-1]):
         for side in (-1, 1):
-            target = float(x[anchor] + side * (gap + (width[mover] + width[anchor]) / 2.0))
-            ends = sorted((float(x[anchor]), target + side * float(width[mover]) / 2.0))
-            is_blocked = not _is_free(bounds, ends[0], ends[1], (mover, anchor))
-            is_propped = bool(bounds[anchor, 2] > ON_TABLE)
-            moves.append((is_propped, is_blocked, abs(target - float(x[mover])), mover, target))
+            target = x[anchor] + side * (gap + (width[mover] + width[anchor]) / 2.0)
+            low, high = sorted((x[anchor], target + side * width[mover] / 2.0))
+            is_blocked = not _is_free(bounds, low, high, (mover, anchor))
+            is_propped = bounds[anchor][2] > ON_TABLE
+            moves.append((is_propped, is_blocked, abs(target - x[mover]), mover, target))
     *_, mover, target = min(moves)
     return mover, target
 
 
-def _is_free(bounds: NDArray[np.float64], low: float, high: float, blocks: tuple[int, ...]) -> bool:
+def _is_free(bounds: list[list[float]], low: float, high: float, blocks: tuple[int, ...]) -> bool:
     """Tell whether no block but the given ones reaches into an interval of x."""
-    reaches_in = (bounds[:, 0] < high) & (bounds[:, 1] > low)
-    reaches_in[list(blocks)] = False
-    return not reaches_in.any()
+    others = (interval for block, interval in enumerate(bounds) if block not in blocks)
+    return not any(left < high and right > low for left, right, _, _ in others)

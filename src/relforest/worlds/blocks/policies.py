@@ -82,10 +82,13 @@ class RandomPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a random position; consumes one number and one integer from `rng`."""
-        types = np.unique(decision.types)
+        types = np.flatnonzero(np.bincount(decision.types))
         weights = np.array(self.weights)[types]
-        chosen = rng.choice(types, p=weights / weights.sum())
-        return int(rng.choice(np.flatnonzero(decision.types == chosen)))
+        # What `rng.choice` does, without its checks.
+        shares = np.cumsum(weights / weights.sum())
+        chosen = types[np.searchsorted(shares / shares[-1], rng.random(), side="right")]
+        positions = np.flatnonzero(decision.types == chosen)
+        return int(positions[rng.integers(len(positions))])
 
     def is_finished(self, decision: Decision) -> bool:  # noqa: ARG002 - the protocol's
         """Return False."""

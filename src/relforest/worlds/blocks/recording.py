@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
+from relforest.worlds.blocks.command import Command
 
 NOBODY: Final = -1
 
@@ -48,10 +49,7 @@ class OptionRecord:
 
     def __str__(self) -> str:
         """Return the option as it is written, such as ``put(3, 1)`` or ``move(2, x = -16.7)``."""
-        arguments = [str(block) for block in self.blocks]
-        if self.target is not None:
-            arguments.append(f"x = {self.target:.1f}".replace("-", "\N{MINUS SIGN}"))
-        return f"{self.name}({', '.join(arguments)})" if arguments else self.name
+        return str(Command(self.name, (*self.blocks, *(() if self.target is None else (self.target,)))))
 
 
 @final

@@ -13,7 +13,8 @@ Palmer (2015), sections 6.5 and 7.4.3.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from types import MappingProxyType
@@ -37,8 +38,6 @@ BESIDE: Final = 0.75
 
 _SAME: Final = 1e-9
 
-_Floats = NDArray[np.float64]
-
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +53,7 @@ class Targets:
     """
 
     slots: NDArray[np.int64]
-    x: _Floats
+    x: NDArray[np.float64]
 
 
 @final
@@ -74,39 +73,47 @@ class Sampler:
     sample: Callable[[BlocksState, NDArray[np.int64], int], Targets]
 
 
-def nearby_targets(target: float, others: _Floats) -> _Floats:
+def nearby_targets(target: float, others: Sequence[float]) -> list[float]:
     """Return the targets that a beam search goes on with: steps towards and away from each other block.
 
     Parameters
     ----------
     target : float
         Where the search has moved the block to, world units.
-    others : (m,) float64
+    others : sequence of m floats
         Midpoints of the other blocks.
 
     Returns
     -------
-    (2 m,) float64
+    list of 2 m floats
         Half the way towards each, then a tenth of the distance farther away from each.
     """
-    return np.concatenate([target + CLOSER * (others - target), target - FARTHER * (others - target)])
+    closer = [target + CLOSER * (other - target) for other in others]
+    return closer + [target - FARTHER * (other - target) for other in others]
 
 
-def _test_targets(x: _Floats, width: _Floats, mover: int) -> list[float]:  # noqa: ARG001 - one signature
-    others = _others(len(x), mover)
-    between = [(x[one] + x[other]) / 2.0 for one, other in combinations(others, 2)]
-    return [*between, *x[others], *nearby_targets(x[mover], x[others])]
+def _test_targets(x: list[float], width: list[float], mover: int) -> list[float]:  # noqa: ARG001 - one signature
+    others = _others(x, mover)
+    return [*_between(others), *others, *nearby_targets(x[mover], others)]
 
 
-def _training_targets(x: _Floats, width: _Floats, mover: int) -> list[float]:
-    others = _others(len(x), mover)
-    between = [(x[one] + x[other]) / 2.0 for one, other in combinations(others, 2)]
-    beside = BESIDE * (width[mover] + width[others])
-    return [*between, *(x[others] - beside), *(x[others] + beside)]
+def _training_targets(x: list[float], width: list[float], mover: int) -> list[float]:
+    beside = [BESIDE * (width[mover] + other) for other in _others(width, mover)]
+    places = list(zip(_others(x, mover), beside, strict=True))
+    between = _between(_others(x, mover))
+    return [
+        *between,
+        *(at - distance for at, distance in places),
+        *(at + distance for at, distance in places),
+    ]
 
 
-def _others(n: int, mover: int) -> list[int]:
-    return [slot for slot in range(n) if slot != mover]
+def _others(values: list[float], mover: int) -> list[float]:
+    return values[:mover] + values[mover + 1 :]
+
+
+def _between(others: list[float]) -> list[float]:
+    return [(one + other) / 2.0 for one, other in combinations(others, 2)]
 
 
 def _pairs(n: int) -> int:
@@ -129,19 +136,29 @@ def _every_move(
     state: BlocksState,
     slots: NDArray[np.int64],
     n_slots: int,
-    targets_of: Callable[[_Floats, _Floats, int], list[float]],
+    targets_of: Callable[[list[float], list[float], int], list[float]],
 ) -> Targets:
     """Return the targets of all blocks; those that depend on a block that is gone are NaN."""
     x, width = np.full(n_slots, np.nan), np.full(n_slots, np.nan)
     bounds = state.bounds
     x[slots], width[slots] = state.poses[:, 0], bounds[:, 1] - bounds[:, 0]
-    targets = np.array([targets_of(x, width, mover) for mover in range(n_slots)]).reshape(n_slots, -1)
-    targets[np.isnan(x)] = np.nan
-    # Moving to where an earlier candidate of the same block goes already is no choice of its own.
-    close = np.abs(targets[:, :, np.newaxis] - targets[:, np.newaxis, :]) < _SAME
-    is_repeated = np.tril(close, k=-1).any(axis=2)
-    targets[is_repeated] = np.nan
-    return Targets(np.repeat(np.arange(n_slots), targets.shape[1]), targets.ravel())
+    places, widths = x.tolist(), width.tolist()
+    targets = [_distinct(targets_of(places, widths, mover), places[mover]) for mover in range(n_slots)]
+    movers = np.repeat(np.arange(n_slots), len(targets[0]))
+    return Targets(movers, np.array(targets, dtype=np.float64).ravel())
+
+
+def _distinct(targets: list[float], mover: float) -> list[float]:
+    """Return targets, NaN for those that repeat an earlier one, and for all of a mover that is gone (NaN).
+
+    Moving to where an earlier candidate of the same block goes already is no choice of its own.
+    """
+    if math.isnan(mover):
+        return [math.nan] * len(targets)
+    return [
+        math.nan if any(abs(target - earlier) < _SAME for earlier in targets[:i]) else target
+        for i, target in enumerate(targets)
+    ]
 
 
 def _test(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Targets:

@@ -1,6 +1,7 @@
 """What a learner sees of the blocks world: the blocks, and virtual objects where an action may go.
 
-The table is no object, and neither is the tool. Velocities are left out.
+The table is no object, and neither is the tool. Velocities are left out. Virtual objects are private to the
+action that goes there (`relforest.smdp.Decision`).
 
 References
 ----------
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes import Attribute, Scenes, Schema
-from relforest.worlds.blocks.state import BlocksState, orientations, reaches
+from relforest.worlds.blocks.state import BlocksState, boxes, orientations, reaches
 
 SCHEMA: Final = Schema(
     (Attribute("location", 2), Attribute("extent", 2), Attribute("orientation"), Attribute("color", 3))
@@ -46,7 +47,7 @@ def describe(
         Red, green and blue from 0 to 1.
     """
     objects = np.empty((len(poses), SCHEMA.width))
-    objects[:, _LOCATION] = np.clip(poses[:, :2], -FARTHEST, FARTHEST)
+    objects[:, _LOCATION] = np.minimum(np.maximum(poses[:, :2], -FARTHEST), FARTHEST)
     objects[:, _EXTENT] = np.sort(half_extents, axis=1)[:, ::-1]
     objects[:, _ORIENTATION] = orientations(half_extents, poses[:, 2])[:, np.newaxis]
     objects[:, _COLOR] = colors
@@ -80,20 +81,17 @@ def virtual_objects(targets: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def scene(objects: NDArray[np.float64], block_ids: Sequence[int]) -> Scenes:
-    """Return the scene of a state: `Scenes` of length 1, without arguments.
+    """Return the scene of a state: `Scenes` of length 1, without arguments and virtual objects.
 
     Parameters
     ----------
     objects : (n, 8) float64
-        The blocks, then virtual objects.
-    block_ids : sequence of int
-        Ids of the blocks; they are called ``"block_ID"``, the virtual objects ``"target_0"`` and so on.
+        The blocks.
+    block_ids : sequence of n int
+        Their ids; they are called ``"block_ID"``.
     """
     n = len(objects)
-    names = [
-        *(f"block_{number}" for number in block_ids),
-        *(f"target_{number}" for number in range(n - len(block_ids))),
-    ]
+    names = [f"block_{number}" for number in block_ids]
     return Scenes(
         SCHEMA,
         matrix=objects,
@@ -122,10 +120,4 @@ def colors(objects: NDArray[np.float64]) -> NDArray[np.float64]:
 def bounds(objects: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the bounding boxes of blocks given as objects (n, 8): (n, 4) min x, max x, min y, max y."""
     reach = reaches(objects[:, _EXTENT], objects[:, _ORIENTATION][:, 0] / 2.0)
-    low, high = objects[:, _LOCATION] - reach, objects[:, _LOCATION] + reach
-    return np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1)
-
-
-def is_block(objects: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which objects (n, 8) are blocks; the others are virtual and have no extent."""
-    return ~np.isnan(objects[:, _EXTENT.start])
+    return boxes(objects[:, _LOCATION], reach)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, final
 
@@ -97,14 +98,23 @@ def grouping_score(state: BlocksState, distance: ColorDistance) -> float:
     in_stacks = np.bincount(labels, minlength=len(state))[labels] > 1
     if not in_stacks.any():
         return 0.0
-    labels, points = labels[in_stacks], distance.coordinates(state.colors[in_stacks])
+    points, apart = _palette(distance, state.colors.tobytes())
+    members, labels, points = np.flatnonzero(in_stacks), labels[in_stacks], points[in_stacks]
     to_mean = distance.difference(points, _means(points, labels))
     # All stacks at once, because a difference costs about as much for one colour as for ten.
     order = np.lexsort((to_mean, labels))
     is_first = np.append(True, labels[order][1:] != labels[order][:-1])
     prototypes = order[is_first][np.cumsum(is_first) - 1]
-    scores = match_score(distance.difference(points[order], points[prototypes]), distance)
+    scores = match_score(apart[members[order], members[prototypes]], distance)
     return float(scores[~is_first].sum())
+
+
+# Colours stay the same during an episode.
+@lru_cache(maxsize=4)
+def _palette(distance: ColorDistance, colors: bytes) -> tuple[_Floats, _Floats]:
+    """Return RGB colours, given as bytes, in the space of a distance (n, 3), and their distances (n, n)."""
+    points = distance.coordinates(np.frombuffer(colors).reshape(-1, 3))
+    return points, distance.difference(points[:, np.newaxis], points[np.newaxis])
 
 
 def _means(points: _Floats, labels: NDArray[np.int64]) -> _Floats:

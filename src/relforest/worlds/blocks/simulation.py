@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple, final
 
 import numpy as np
@@ -15,6 +14,7 @@ from relforest.support.options import at_least
 from relforest.worlds.blocks.blocks import Block
 from relforest.worlds.blocks.engine import TABLE_HALF_WIDTH, Engine
 from relforest.worlds.blocks.grasp import springs
+from relforest.worlds.blocks.state import BlocksState, Cast
 
 STEPS_PER_SECOND: Final = 100
 """Steps in a second on the clock of the tasks."""
@@ -40,32 +40,6 @@ class Frame(NamedTuple):
 
 
 @final
-@dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
-    """What there is at one moment; later steps do not change it.
-
-    Parameters
-    ----------
-    time : float
-        Seconds since the drop.
-    blocks : tuple of Block
-        Those present.
-    poses : (n, 3) float64
-        x, y and angle (radians, not wrapped) of each.
-    bounds : (n, 4) float64
-        Smallest and largest x, smallest and largest y of each.
-    contacts : frozenset of pairs of int
-        The ids of blocks that touch, the smaller first.
-    """
-
-    time: float
-    blocks: tuple[Block, ...]
-    poses: NDArray[np.float64]
-    bounds: NDArray[np.float64]
-    contacts: frozenset[tuple[int, int]]
-
-
-@final
 class BlocksSimulation:
     """Blocks on a table.
 
@@ -79,8 +53,8 @@ class BlocksSimulation:
     Attributes
     ----------
     frames : list of Frame or None
-        A list put here collects a frame every ``frame_every`` steps from then on. None, the default, costs
-        nothing.
+        A list put here collects a frame at the start of an episode and every ``frame_every`` steps. None, the
+        default, costs nothing.
 
     Notes
     -----
@@ -95,6 +69,7 @@ class BlocksSimulation:
         self._table_half_width = table_half_width
         self._engine = Engine(table_half_width=table_half_width)
         self._dropped: tuple[Block, ...] = ()
+        self._cast = Cast.of(())
         self._keys: dict[int, int] = {}
         self._next_id = 0
         self._steps = 0
@@ -135,6 +110,13 @@ class BlocksSimulation:
         return frozenset((min(a, b), max(a, b)) for a, b in pairs)
 
     @property
+    def state(self) -> BlocksState:
+        """The blocks at present."""
+        if len(self._cast.ids) != len(self._engine.keys):
+            self._cast = Cast.of(self.blocks)
+        return self._cast.state(self.poses, self.contacts)
+
+    @property
     def steps(self) -> int:
         """Steps since the drop."""
         return self._steps
@@ -149,6 +131,11 @@ class BlocksSimulation:
         """The id of the block that is held, or None."""
         key = self._engine.held
         return None if key is None else self._dropped[key].id
+
+    @property
+    def tool(self) -> tuple[float, float] | None:
+        """X and y of the point where a block is held, or was held last; None before the first grasp."""
+        return self._engine.tool
 
     def __contains__(self, block_id: int) -> bool:
         return block_id in self._keys and self._keys[block_id] in self._engine.keys
@@ -181,10 +168,6 @@ class BlocksSimulation:
     def at_rest(self) -> bool:
         """Whether all blocks are at rest, as `wait_for_rest` sees it."""
         return self._engine.is_resting()
-
-    def snapshot(self) -> Snapshot:
-        """Return what there is now."""
-        return Snapshot(self.time, self.blocks, self.poses, self.bounds, self.contacts)
 
     def drop(self, blocks: Sequence[Block], *, turned: bool = False) -> int:
         """Begin an episode: clear the table, drop blocks at random places, and wait until they rest.
@@ -242,10 +225,11 @@ class BlocksSimulation:
             engine.add_box(block.half_extents, (pose[0], pose[1]), pose[2])
             for block, pose in zip(dropped, poses, strict=True)
         ]
-        self._engine, self._dropped = engine, dropped
+        self._engine, self._dropped, self._cast = engine, dropped, Cast.of(dropped)
         self._keys = dict(zip(ids, keys, strict=True))
         self._next_id = max([self._next_id - 1, *ids]) + 1
         self._steps = 0
+        self._record()
 
     def step(self, n: int = 1) -> None:
         """Let n steps pass."""
@@ -311,7 +295,11 @@ class BlocksSimulation:
             passed, ended = advance(steps)
             taken += passed
             self._steps += passed
-            if self.frames is not None and passed and self._steps % self._frame_every == 0:
-                ids = tuple(block.id for block in self.blocks)
-                self.frames.append(Frame(self.time, self.poses, ids, self.held))
+            if passed and self._steps % self._frame_every == 0:
+                self._record()
         return taken, ended
+
+    def _record(self) -> None:
+        if self.frames is not None:
+            ids = tuple(block.id for block in self.blocks)
+            self.frames.append(Frame(self.time, self.poses, ids, self.held))

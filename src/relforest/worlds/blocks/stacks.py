@@ -1,6 +1,11 @@
-"""Which blocks belong together, seen from above."""
+"""Which blocks belong together, seen from above.
+
+Plain loops: there are few blocks, and scores and policies ask at every action.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +34,13 @@ def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.in
     ----------
     Palmer (2015), section 7.4.2.
     """
-    within = (bounds[np.newaxis, :, 0] <= x[:, np.newaxis]) & (x[:, np.newaxis] <= bounds[np.newaxis, :, 1])
-    return _components(within | within.T)
+    middles, intervals = x.tolist(), bounds[:, :2].tolist()
+
+    def is_within(one: int, other: int) -> bool:
+        low, high = intervals[other]
+        return bool(low <= middles[one] <= high)
+
+    return _components(len(middles), lambda one, other: is_within(one, other) or is_within(other, one))
 
 
 def connected(bounds: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -46,17 +56,20 @@ def connected(bounds: NDArray[np.float64]) -> NDArray[np.int64]:
     (n,) int64
         The first member of each block's group.
     """
-    low, high = bounds[:, 0], bounds[:, 1]
-    starts_before = low[:, np.newaxis] <= high[np.newaxis, :]
-    return _components(starts_before & starts_before.T)
+    intervals = bounds[:, :2].tolist()
+
+    def overlap(one: int, other: int) -> bool:
+        return bool(intervals[one][0] <= intervals[other][1] and intervals[other][0] <= intervals[one][1])
+
+    return _components(len(intervals), overlap)
 
 
-def _components(linked: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return the first member of the connected component of each node of a symmetric graph (n, n)."""
-    n = len(linked)
-    reach = linked | np.eye(n, dtype=np.bool_)
-    labels = np.arange(n)
-    # A label travels at least one link per round.
-    for _ in range(n):
-        labels = np.where(reach, labels[np.newaxis, :], n).min(axis=1, initial=n)
-    return labels
+def _components(n: int, are_linked: Callable[[int, int], bool]) -> NDArray[np.int64]:
+    """Return the first member of the connected component of each of n nodes; links work both ways."""
+    labels = list(range(n))
+    for one in range(n):
+        for other in range(one):
+            if labels[one] != labels[other] and are_linked(one, other):
+                kept, dropped = sorted((labels[one], labels[other]))
+                labels = [kept if label == dropped else label for label in labels]
+    return np.array(labels, dtype=np.int64)

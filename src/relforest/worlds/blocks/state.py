@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, final
 
 import numpy as np
@@ -66,10 +67,8 @@ class BlocksState:
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Bounding boxes of the turned blocks, (n, 4): min x, max x, min y, max y."""
-        reach = reaches(self.half_extents, self.poses[:, 2])
-        x, y = self.poses[:, 0], self.poses[:, 1]
-        return np.stack([x - reach[:, 0], x + reach[:, 0], y - reach[:, 1], y + reach[:, 1]], axis=1)
+        """Bounding boxes of the turned blocks, (n, 4), read-only: min x, max x, min y, max y."""
+        return _bounds(self)
 
     @property
     def orientations(self) -> NDArray[np.float64]:
@@ -77,31 +76,73 @@ class BlocksState:
         return orientations(self.half_extents, self.poses[:, 2])
 
 
-def state_of(
-    blocks: Sequence[Block], poses: NDArray[np.float64], contacts: Iterable[tuple[int, int]]
-) -> BlocksState:
-    """Return the state of blocks.
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Cast:
+    """The blocks that are on the scene, and what about them stays the same until one of them is lost.
 
     Parameters
     ----------
-    blocks : sequence of n Block
-    poses : (n, 3) float64
-        x, y and angle of each.
-    contacts : iterable of pairs of int
-        The ids of blocks that touch.
+    ids : (n,) int64
+    half_extents : (n, 2) float64
+    colors : (n, 3) float64
+        As in `BlocksState`.
     """
-    ids = np.array([block.id for block in blocks], dtype=np.int64)
-    touching = np.zeros((len(ids), len(ids)), dtype=np.bool_)
-    row = {block.id: i for i, block in enumerate(blocks)}
-    for one, other in contacts:
-        touching[row[one], row[other]] = touching[row[other], row[one]] = True
-    return BlocksState(
-        ids,
-        np.array([block.half_extents for block in blocks], dtype=np.float64).reshape(-1, 2),
-        np.array([block.color for block in blocks], dtype=np.float64).reshape(-1, 3),
-        poses,
-        touching,
-    )
+
+    ids: NDArray[np.int64]
+    half_extents: NDArray[np.float64]
+    colors: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        for array in (self.ids, self.half_extents, self.colors):
+            array.flags.writeable = False
+
+    @classmethod
+    def of(cls, blocks: Sequence[Block]) -> Cast:
+        """Return what `blocks` are."""
+        return cls(
+            np.array([block.id for block in blocks], dtype=np.int64),
+            np.array([block.half_extents for block in blocks], dtype=np.float64).reshape(-1, 2),
+            np.array([block.color for block in blocks], dtype=np.float64).reshape(-1, 3),
+        )
+
+    def state(self, poses: NDArray[np.float64], contacts: Iterable[tuple[int, int]]) -> BlocksState:
+        """Return the state in which they lie somewhere.
+
+        Parameters
+        ----------
+        poses : (n, 3) float64
+            x, y and angle of each.
+        contacts : iterable of pairs of int
+            The ids of blocks that touch.
+        """
+        touching = np.zeros((len(self.ids), len(self.ids)), dtype=np.bool_)
+        row = {block: i for i, block in enumerate(self.ids.tolist())}
+        for one, other in contacts:
+            touching[row[one], row[other]] = touching[row[other], row[one]] = True
+        return BlocksState(self.ids, self.half_extents, self.colors, poses, touching)
+
+
+# Scores, samplers and plans ask for those of the same state one after the other.
+@lru_cache(maxsize=4)
+def _bounds(state: BlocksState) -> NDArray[np.float64]:
+    bounds = boxes(state.poses[:, :2], reaches(state.half_extents, state.poses[:, 2]))
+    bounds.flags.writeable = False
+    return bounds
+
+
+def boxes(centers: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return what reaches that far from its centre to all sides, (n, 4): min x, max x, min y, max y.
+
+    Parameters
+    ----------
+    centers, reach : (n, 2) float64
+        Along x and y.
+    """
+    bounds = np.empty((len(centers), 4))
+    bounds[:, 0::2] = centers - reach
+    bounds[:, 1::2] = centers + reach
+    return bounds
 
 
 def reaches(half_extents: NDArray[np.float64], angles: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -114,8 +155,8 @@ def reaches(half_extents: NDArray[np.float64], angles: NDArray[np.float64]) -> N
         Radians.
     """
     cos, sin = np.abs(np.cos(angles)), np.abs(np.sin(angles))
-    ex, ey = half_extents[:, 0], half_extents[:, 1]
-    return np.stack([cos * ex + sin * ey, sin * ex + cos * ey], axis=1)
+    reach: NDArray[np.float64] = cos[:, None] * half_extents + sin[:, None] * half_extents[:, ::-1]
+    return reach
 
 
 def orientations(half_extents: NDArray[np.float64], angles: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -102,7 +102,7 @@ class BlocksViewer:
         caption : str
             What is going on, such as the option: at the top left.
         tool : (2,) float64, optional
-            x and y of the point where a block is held.
+            x and y of the point where the robot holds a block, or let go of one.
         time : float, optional
             Seconds since the episode began: at the top right.
         score : str
