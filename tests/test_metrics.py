@@ -9,7 +9,13 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy import stats
 
-from relforest.metrics import mean_interval, peirce_skill_score
+from relforest.metrics import (
+    Moments,
+    mean_interval,
+    peirce_skill_score,
+    sidak_level,
+    two_sample_p_value,
+)
 from relforest.support.errors import InputError
 
 LABELS: list[list[Any]] = [[0, 1], [-1, 1], [False, True], ["far", "near"], [0.0, 1.0]]
@@ -104,3 +110,49 @@ def test_the_interval_is_that_of_the_t_distribution(values: list[float], level: 
 def test_samples_without_an_interval_are_refused(values: Any, level: float, message: str) -> None:
     with pytest.raises(InputError, match=message):
         mean_interval(values, level)
+
+
+def test_a_difference_of_means_is_tested_with_pooled_variances() -> None:
+    one, other = Moments.of([1.0, 2.0, 3.0]), Moments.of([2.0, 4.0, 6.0, 8.0])
+
+    # Variances 1 and 20/3, pooled (2 * 1 + 3 * 20/3) / 5 = 4.4; t = 3 / sqrt(4.4 * 7/12) = 1.8726, 5 degrees
+    assert (one.mean, one.std, one.count) == (2.0, 1.0, 3)
+    assert two_sample_p_value(one, other) == pytest.approx(2 * stats.t.sf(1.872563, 5), rel=1e-5)
+    assert two_sample_p_value(other, one) == two_sample_p_value(one, other)
+
+
+SAMPLES = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 3)), min_size=2, max_size=20)
+
+
+@given(SAMPLES, SAMPLES)
+def test_the_p_value_is_that_of_students_test(one: list[float], other: list[float]) -> None:
+    moments = (Moments.of(one), Moments.of(other))
+    if max(moment.std for moment in moments) > 0:
+        assert two_sample_p_value(*moments) == pytest.approx(stats.ttest_ind(one, other).pvalue, abs=1e-9)
+
+
+def test_samples_without_variance_differ_or_not() -> None:
+    # .1 has no exact mean: added up ten times it is not 1.
+    constant = Moments.of([0.1] * 10)
+
+    assert constant.std == 0.0
+    assert two_sample_p_value(constant, Moments(constant.mean, 0.0, 10)) == 1.0
+    assert two_sample_p_value(constant, Moments.of([0.2] * 10)) == 0.0
+
+
+def test_a_published_interval_tells_the_spread() -> None:
+    values = [0.1, 0.4, 0.2, 0.9]
+    interval = mean_interval(values, 0.9)
+    back = Moments.from_interval(interval.mean, interval.half_width, 4, 0.9)
+
+    assert back.std == pytest.approx(Moments.of(values).std)
+    assert back.interval(0.9).low == pytest.approx(interval.low)
+
+
+def test_the_level_of_several_tests_is_that_of_the_source() -> None:
+    assert sidak_level(0.05, 9) == pytest.approx(0.00568, abs=5e-6)
+    assert sidak_level(0.05, 1) == pytest.approx(0.05)
+    with pytest.raises(InputError, match="count must be an integer of at least 1, got 0"):
+        sidak_level(0.05, 0)
+    with pytest.raises(InputError, match="level must be a number above 0"):
+        sidak_level(0.0, 2)

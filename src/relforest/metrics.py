@@ -7,12 +7,19 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import stdtrit
+from scipy.special import stdtr, stdtrit
 
 from relforest.support.errors import InputError
-from relforest.support.options import in_range
+from relforest.support.options import at_least, in_range
 
-__all__ = ["MeanInterval", "mean_interval", "peirce_skill_score"]
+__all__ = [
+    "MeanInterval",
+    "Moments",
+    "mean_interval",
+    "peirce_skill_score",
+    "sidak_level",
+    "two_sample_p_value",
+]
 
 
 def peirce_skill_score(y_true: ArrayLike, y_pred: ArrayLike, *, pos_label: object = None) -> float:
@@ -96,21 +103,119 @@ def mean_interval(values: ArrayLike, level: float = 0.95) -> MeanInterval:
     InputError
         If there are fewer than two values, one is not finite, or the level is out of range.
     """
+    return Moments.of(values).interval(level)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """What a t-test needs to know of independent values.
+
+    Parameters
+    ----------
+    mean : float
+    std : float
+        Standard deviation, with ``count - 1`` in the denominator.
+    count : int
+        Number of values, at least 2.
+    """
+
+    mean: float
+    std: float
+    count: int
+
+    @classmethod
+    def of(cls, values: ArrayLike) -> Moments:
+        """Return the moments of (n,) finite numbers.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than two values, or one is not finite.
+        """
+        try:
+            sample = np.asarray(values, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"values must be numbers: {error}") from error
+        if sample.ndim != 1 or len(sample) < 2:
+            raise InputError(
+                f"values must be one-dimensional with at least 2 entries, got the shape {sample.shape}"
+            )
+        if not np.isfinite(sample).all():
+            raise InputError("values must be finite: drop or repeat the runs that gave NaN or infinity")
+        # Rounding would give equal values a tiny spread.
+        std = 0.0 if (sample == sample[0]).all() else float(sample.std(ddof=1))
+        return cls(float(sample.mean()), std, len(sample))
+
+    @classmethod
+    def from_interval(cls, mean: float, half_width: float, count: int, level: float = 0.95) -> Moments:
+        """Return the moments behind a published mean and half the width of its t interval.
+
+        Examples
+        --------
+        >>> round(Moments.from_interval(0.76, 0.02, 100).std, 3)
+        0.101
+        """
+        return cls(mean, half_width / _half_width_in_stds(count, level), count)
+
+    def interval(self, level: float = 0.95) -> MeanInterval:
+        """Return Student's t interval around the mean; see `mean_interval`."""
+        half = self.std * _half_width_in_stds(self.count, level)
+        return MeanInterval(self.mean, self.mean - half, self.mean + half, level, self.count)
+
+
+def two_sample_p_value(one: Moments, other: Moments) -> float:
+    """Return the two-tailed p-value of Student's two-sample t-test, which presumes equal variances.
+
+    Parameters
+    ----------
+    one, other : Moments
+
+    Returns
+    -------
+    float
+        Of two samples without variance: 1 if their means are equal, else 0.
+
+    Examples
+    --------
+    >>> one, other = Moments.of([1.0, 2.0, 3.0]), Moments.of([3.0, 4.0, 5.0])
+    >>> round(two_sample_p_value(one, other), 4)
+    0.0705
+    """
+    freedom = one.count + other.count - 2
+    pooled = ((one.count - 1) * one.std**2 + (other.count - 1) * other.std**2) / freedom
+    error = float(np.sqrt(pooled * (1 / one.count + 1 / other.count)))
+    difference = abs(one.mean - other.mean)
+    if error == 0.0:
+        return float(difference == 0.0)
+    return 2 * float(stdtr(freedom, -difference / error))
+
+
+def sidak_level(level: float, count: int) -> float:
+    """Return the level of each of ``count`` independent tests with which all together have ``level``.
+
+    Raises
+    ------
+    InputError
+        If the level is not inside (0, 1), or the count less than 1.
+
+    References
+    ----------
+    Palmer (2015), section 3.3.3.
+
+    Examples
+    --------
+    >>> round(sidak_level(0.05, 9), 5)
+    0.00568
+    """
     level = in_range("level", level, 0.0, 1.0, open_low=True, open_high=True)
-    try:
-        sample = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"values must be numbers: {error}") from error
-    if sample.ndim != 1 or len(sample) < 2:
-        raise InputError(
-            f"values must be one-dimensional with at least 2 entries, got the shape {sample.shape}"
-        )
-    if not np.isfinite(sample).all():
-        raise InputError("values must be finite: drop or repeat the runs that gave NaN or infinity")
-    count = len(sample)
-    mean = float(sample.mean())
-    half = float(stdtrit(count - 1, (1 + level) / 2) * sample.std(ddof=1) / np.sqrt(count))
-    return MeanInterval(mean, mean - half, mean + half, level, count)
+    return float(1 - (1 - level) ** (1 / at_least("count", count, 1)))
+
+
+def _half_width_in_stds(count: int, level: float) -> float:
+    """Return half the width of a t interval of ``count`` values, in their standard deviations."""
+    level = in_range("level", level, 0.0, 1.0, open_low=True, open_high=True)
+    return float(stdtrit(count - 1, (1 + level) / 2) / np.sqrt(count))
 
 
 def _labels(name: str, values: ArrayLike) -> NDArray[Any]:

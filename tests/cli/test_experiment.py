@@ -48,13 +48,31 @@ def test_a_missed_bound_is_a_failure(run: CommandLine, asked: dict[str, Any], tm
     assert outcome.out.startswith("a table\n\nClaims\nMISSED a score: 0.5")
     assert "covagg: 1 of 1 done" in outcome.err
     assert outcome.err.endswith("relforest: 1 of 2 claims missed\n")
-    assert {name: asked[name] for name in ("study", "out", "seed", "n_jobs", "smoke")} == {
+    del asked["on_progress"]
+    assert asked == {
         "study": "covagg",
         "out": tmp_path,
         "seed": 3,
         "n_jobs": 2,
         "smoke": False,
+        "only": {"methods": (), "datasets": ()},
     }
+
+
+def test_methods_and_data_sets_are_named_with_commas_or_spaces(
+    run: CommandLine, asked: dict[str, Any]
+) -> None:
+    run("experiment", "mil", "--methods", "covagg,dd", "apr", "--datasets", "musk1,")
+
+    assert asked["only"] == {"methods": ("covagg", "dd", "apr"), "datasets": ("musk1",)}
+
+
+def test_choices_of_other_studies_are_refused(run: CommandLine, tmp_path: Path) -> None:
+    outcome = run("experiment", "covagg", "--datasets", "musk1", "--out", tmp_path / "out")
+
+    assert outcome.code == 1
+    assert "the study covagg has no choice of datasets: leave it out" in outcome.err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

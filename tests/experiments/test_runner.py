@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.runner import run_study
-from relforest.experiments.study import Place, Study
+from relforest.experiments.study import Obstacle, Place, Study
 from relforest.experiments.table import Row, Table
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.rng import generator
@@ -165,3 +165,82 @@ def test_settings_are_stored_with_their_rows(tmp_path: Path) -> None:
 
     assert document["setting"] == {"count": 2}
     assert [row["throw"] for row in document["rows"]] == [0, 1]
+
+
+def by_parity(setting: Throws) -> str:
+    return "odd" if setting.count % 2 else "even"
+
+
+CHOOSY = replace(STUDY, choices={"parity": by_parity, "counts": lambda setting: str(setting.count)})
+
+
+def test_a_choice_may_be_widened_later_in_the_same_folder(tmp_path: Path) -> None:
+    run_study(STUDY, tmp_path / "whole")
+    narrow = run_study(CHOOSY, tmp_path / "grown", only={"parity": ["even"], "counts": []})
+    lines = (tmp_path / "grown" / "rows.csv").read_text().splitlines()
+
+    assert narrow.text == "6 throws"
+    # Rows are numbered as in the whole study, and have its random numbers.
+    assert [line.split(",")[0] for line in lines[1:]] == ["dice/0/0"] * 2 + ["dice/2/0"] * 4
+    assert set(lines) < set((tmp_path / "whole" / "rows.csv").read_text().splitlines())
+
+    told: list[str] = []
+    run_study(CHOOSY, tmp_path / "grown", on_progress=told.append)
+    assert told == ["dice: 3 of 3 done (3 throws)"]
+    assert contents(tmp_path / "grown") == contents(tmp_path / "whole")
+
+
+@pytest.mark.parametrize(
+    ("only", "complaint"),
+    [
+        ({"sides": ["6"]}, r"the study dice has no choice of sides, only of parity and counts: leave it out"),
+        ({"counts": ["2", "5"]}, r"counts of the study dice must be one of '2', '3', '4', got '5'"),
+        ({"counts": ["2"], "parity": ["odd"]}, r"no setting with counts 2 and parity odd: choose others"),
+    ],
+)
+def test_a_choice_must_exist(tmp_path: Path, only: dict[str, list[str]], complaint: str) -> None:
+    with pytest.raises(InputError, match=complaint):
+        run_study(CHOOSY, tmp_path / "out", only=only)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_study_without_choices_says_so(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the study dice has no choice of methods: leave it out"):
+        run_study(STUDY, tmp_path / "out", only={"methods": ["a"]})
+
+
+def lacking_dice(settings: Sequence[Throws]) -> dict[Throws, Obstacle]:
+    return {
+        setting: Obstacle(f"die {setting.count}", "Buy some." if setting.count < 4 else "Find it.")
+        for setting in settings
+        if setting.count > 2
+    }
+
+
+def test_what_cannot_be_computed_is_left_out_and_told(tmp_path: Path) -> None:
+    told: list[str] = []
+    study = replace(STUDY, obstacles=lacking_dice)
+    findings = run_study(study, tmp_path, on_progress=told.append)
+    notes = ["Left out (1 settings): die 3. Buy some.", "Left out (1 settings): die 4. Find it."]
+
+    assert told == [*notes, "dice: 1 of 1 done (2 throws)"]
+    assert findings.text.splitlines() == [*notes, "", "2 throws"]
+    assert (tmp_path / "summary.txt").read_text() == f"{findings}\n"
+    # What has been computed is there, whatever is missing now.
+    run_study(STUDY, tmp_path)
+    assert run_study(study, tmp_path).text == "9 throws"
+
+
+def test_nothing_left_to_compute_is_an_error(tmp_path: Path) -> None:
+    study = replace(CHOOSY, obstacles=lacking_dice)
+    with pytest.raises(InputError, match=r"^Left out \(1 settings\): die 3\. Buy some\.$"):
+        run_study(study, tmp_path / "out", only={"parity": ["odd"]})
+    assert not (tmp_path / "out").exists()
+
+
+def test_findings_may_bring_documents(tmp_path: Path) -> None:
+    def with_table(table: Table) -> Findings:
+        return Findings("text", (), {"tables.md": f"| {len(table)} |\n"})
+
+    run_study(replace(STUDY, summarize=with_table), tmp_path)
+    assert (tmp_path / "tables.md").read_text() == "| 9 |\n"

@@ -1,17 +1,27 @@
-"""The full suite of scikit-learn's checks, nothing excused."""
+"""The full suite of scikit-learn's checks on every classifier of bags, nothing excused."""
 
 from __future__ import annotations
 
+import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
-from relforest import CovAggClassifier
+from relforest import mil
+from relforest.mil import peers
+from relforest.mil.bag_classifier import BagClassifier
 
 # The number that scikit-learn 1.9.1 runs; older and newer versions may run fewer or more.
 CHECKS_OF_1_9 = 56
+CLASSIFIERS = [
+    found
+    for package in (mil, peers)
+    for name in package.__all__
+    if isinstance(found := getattr(package, name), type) and issubclass(found, BagClassifier)
+]
 
 
-def test_no_check_fails_and_none_is_skipped() -> None:
-    results = check_estimator(CovAggClassifier(), on_fail=None, on_skip=None)
+@pytest.mark.parametrize("classifier", CLASSIFIERS, ids=lambda classifier: classifier.__name__)
+def test_no_check_fails_and_none_is_skipped(classifier: type[BagClassifier]) -> None:
+    results = check_estimator(classifier(), on_fail=None, on_skip=None)
     outcomes = {result["check_name"]: (result["status"], result["exception"]) for result in results}
 
     assert {name: outcome for name, outcome in outcomes.items() if outcome[0] != "passed"} == {}

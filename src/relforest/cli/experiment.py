@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, final
+from typing import Annotated, Final, final
 
 from rich.console import Console
 from tyro.conf import Positional, arg
 
 from relforest.cli.progress import note
+
+_CHOICE: Final = arg(metavar="NAME[,NAME...]", help_behavior_hint="(default: all)")
 
 
 @final
@@ -28,6 +30,7 @@ class ExperimentOptions:
       relforest experiment
       relforest experiment covagg --smoke
       relforest experiment concepts --jobs 2 --out runs/concepts
+      relforest experiment mil --methods covagg,dd --datasets musk1
 
     Parameters
     ----------
@@ -41,6 +44,10 @@ class ExperimentOptions:
         Processes; -1 = all cores. The result does not depend on it.
     out
         Folder for the results.
+    methods
+        Only these methods, separated by commas, of a study that compares some.
+    datasets
+        Only these data sets, of a study that has some. What was left out may be computed later.
     """
 
     name: Annotated[Positional[str], arg(metavar="[NAME]", help_behavior_hint="(default: list them)")] = ""
@@ -50,6 +57,8 @@ class ExperimentOptions:
     out: Annotated[
         Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/NAME or runs/NAME-smoke)")
     ] = None
+    methods: Annotated[tuple[str, ...], _CHOICE] = ()
+    datasets: Annotated[tuple[str, ...], _CHOICE] = ()
 
 
 def experiment(options: ExperimentOptions) -> int:
@@ -78,6 +87,7 @@ def experiment(options: ExperimentOptions) -> int:
             seed=options.seed,
             n_jobs=options.jobs,
             smoke=options.smoke,
+            only={"methods": _names(options.methods), "datasets": _names(options.datasets)},
             on_progress=lambda line: note(line, console),
         )
     print(findings)
@@ -86,3 +96,8 @@ def experiment(options: ExperimentOptions) -> int:
     missed = sum(not claim.is_met for claim in findings.claims)
     note(f"relforest: {missed} of {len(findings.claims)} claims missed")
     return 1
+
+
+def _names(texts: tuple[str, ...]) -> tuple[str, ...]:
+    """Take apart names separated by commas."""
+    return tuple(name.strip() for text in texts for name in text.split(",") if name.strip())

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import final
 
 
@@ -52,10 +53,13 @@ class Findings:
     text : str
         Tables and remarks.
     claims : tuple of Claim
+    documents : mapping of str to str
+        Further text files by name, such as tables in Markdown.
     """
 
     text: str
     claims: tuple[Claim, ...] = ()
+    documents: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def are_met(self) -> bool:

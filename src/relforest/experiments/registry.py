@@ -6,7 +6,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from relforest.experiments import blocks, calibration, concepts, corridor, covagg, keepaway, resume
+from relforest.experiments import (
+    blocks,
+    calibration,
+    concepts,
+    corridor,
+    covagg,
+    keepaway,
+    mil,
+    mil_ablation,
+    resume,
+)
 from relforest.experiments.study import Study
 
 _ALL: Final[tuple[Study[Any], ...]] = (
@@ -18,6 +28,18 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         covagg.compute,
         covagg.summarize,
         covagg.figures,
+    ),
+    Study(
+        "mil",
+        "Does covariant aggregation stand its ground among other multiple-instance methods, as in chapter 3?",
+        mil.SETTINGS,
+        mil.SMOKE,
+        mil.compute,
+        mil.summarize,
+        mil.figures,
+        compiles=False,
+        choices=mil.CHOICES,
+        obstacles=mil.obstacles,
     ),
     Study(
         "concepts",
@@ -36,6 +58,15 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         calibration.compute,
         calibration.summarize,
         calibration.figures,
+    ),
+    Study(
+        "mil_ablation",
+        "What is each part of a committee of volumes good for, on the data that it was designed with?",
+        mil_ablation.SETTINGS,
+        mil_ablation.SMOKE,
+        mil_ablation.compute,
+        mil_ablation.summarize,
+        mil_ablation.figures,
     ),
     Study(
         "corridor",

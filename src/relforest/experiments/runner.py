@@ -1,25 +1,26 @@
 """Runs a study: settings in parallel, the rows of each saved when it is done, then summary and figures.
 
 A study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting),
-and, derived from them, ``rows.csv``, ``summary.txt`` and the figures.
+and, derived from them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the
+whole study: when only some settings are chosen, the others may be computed later in the same folder.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
 from relforest.experiments.folders import Identity, claimed
-from relforest.experiments.study import Place, Setting, Study
+from relforest.experiments.study import Obstacle, Place, Setting, Study, chosen_settings
 from relforest.experiments.table import Row, Table
 from relforest.experiments.watching import watching
 from relforest.reports.figure_files import save_figure
-from relforest.support.errors import ModelFormatError, RunFolderError
+from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
 from relforest.support.options import at_least
 from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
@@ -40,6 +41,7 @@ def run_study(
     seed: int = 0,
     n_jobs: int = 1,
     smoke: bool = False,
+    only: Mapping[str, Sequence[str]] | None = None,
     on_progress: Callable[[str], None] | None = None,
 ) -> Findings:
     """Run a study, or what is left of it, and write its results.
@@ -55,8 +57,12 @@ def run_study(
         Settings computed at the same time, in processes; -1 = all cores.
     smoke : bool
         Run the small version.
+    only : mapping of str to sequence of str, optional
+        Compute and report only these settings: values by choice of the study, such as
+        ``{"methods": ["covagg"]}``. Their rows are those of the whole study.
     on_progress : callable, optional
-        Called with a line of text whenever settings have been completed.
+        Called with a line of text whenever settings have been completed, and at the beginning for those that
+        cannot be computed here and are left out.
 
     Returns
     -------
@@ -65,43 +71,57 @@ def run_study(
     Raises
     ------
     InputError
-        If an option is out of its range.
+        If an option is out of its range, no setting is chosen, or none of those can be computed here.
     RunFolderError
         If the folder is in use, is not empty, belongs to other work, or is damaged.
     """
     folder, settings = Path(out), study.smoke if smoke else study.settings
     seed = at_least("seed", seed, 0)
     checked_jobs(n_jobs)
+    chosen = chosen_settings(study, settings, only or {})
     plain = [_plain(setting) for setting in settings]
     identity = Identity(
         _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
     )
-    files = [folder / _SETTINGS / f"{index:04d}.json" for index in range(len(settings))]
-    with claimed(folder, identity, is_finished=lambda: all(file.exists() for file in files)):
+    files = {index: folder / _SETTINGS / f"{index:04d}.json" for index in chosen}
+    unsaved = [settings[index] for index, file in files.items() if not file.exists()]
+    obstacles = {} if study.obstacles is None else study.obstacles(unsaved)
+    files = {index: file for index, file in files.items() if settings[index] not in obstacles}
+    notes = _notes(obstacles.values())
+    if not files:
+        raise InputError(" ".join(notes))
+    tell = on_progress or _silent
+    for line in notes:
+        tell(line)
+    with claimed(folder, identity, is_finished=lambda: all(file.exists() for file in files.values())):
         tasks = [
-            (study.compute, setting, Place(seed, index, folder), file)
-            for index, (setting, file) in enumerate(zip(settings, files, strict=True))
+            (study.compute, settings[index], Place(seed, index, folder), file)
+            for index, file in files.items()
             if not file.exists()
         ]
         if (folder / _SETTINGS).is_dir():
             remove_temporary_files(folder / _SETTINGS)
         if study.compiles and n_jobs != 1 and len(tasks) > 1:
             _warm_up(study)
-        with watching(_announcer(study.name, files, settings, on_progress)):
+        with watching(_announcer(study.name, {file: settings[i] for i, file in files.items()}, tell)):
             run_tasks(_run_setting, tasks, n_jobs=n_jobs, prefer="processes")
         table = Table.of(
             {"id": f"{study.name}/{index}/{seed}", **row}
-            for index, file in enumerate(files)
+            for index, file in files.items()
             for row in _read_rows(file, plain[index])
         )
-        return _report(study, table, folder)
+        return _report(study, table, folder, notes)
 
 
-def _report(study: Study[S], table: Table, folder: Path) -> Findings:
+def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -> Findings:
     """Write everything that is derived from the rows."""
     write_text(folder / "rows.csv", table.to_csv())
     findings = study.summarize(table)
+    if notes:
+        findings = replace(findings, text="\n".join([*notes, "", findings.text]))
     write_text(folder / "summary.txt", f"{findings}\n")
+    for name, text in findings.documents.items():
+        write_text(folder / name, text)
     for name, figure in study.figures(table).items():
         save_figure(figure, folder / name)
     return findings
@@ -137,16 +157,30 @@ def _plain(setting: Setting) -> dict[str, Any]:
     return {entry.name: getattr(setting, entry.name) for entry in fields(setting)}
 
 
+def _notes(obstacles: Collection[Obstacle]) -> list[str]:
+    """Return a line per reason for which settings are left out."""
+    lines = []
+    for reason in dict.fromkeys(obstacle.reason for obstacle in obstacles):
+        concerned = [obstacle.missing for obstacle in obstacles if obstacle.reason == reason]
+        lines.append(f"Left out ({len(concerned)} settings): {', '.join(dict.fromkeys(concerned))}. {reason}")
+    return lines
+
+
+def _silent(_line: str) -> None:
+    """Tell nobody."""
+
+
 def _announcer(
-    name: str, files: list[Path], settings: tuple[S, ...], on_progress: Callable[[str], None] | None
+    name: str, settings: Mapping[Path, Setting], tell: Callable[[str], None]
 ) -> Callable[[], None]:
-    """Return a function that tells of the settings completed since it was called last."""
-    pending = {index for index, file in enumerate(files) if not file.exists()}
+    """Return a function that tells of the settings, by file, completed since it was called last."""
+    pending = [file for file in settings if not file.exists()]
 
     def announce() -> None:
-        for index in sorted(pending):
-            if on_progress is not None and files[index].exists():
-                pending.remove(index)
-                on_progress(f"{name}: {len(files) - len(pending)} of {len(files)} done ({settings[index]})")
+        for file in tuple(pending):
+            if file.exists():
+                pending.remove(file)
+                done = len(settings) - len(pending)
+                tell(f"{name}: {done} of {len(settings)} done ({settings[file]})")
 
     return announce

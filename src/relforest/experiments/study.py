@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import Field, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, final
 
@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 
 from relforest.experiments.claims import Findings
 from relforest.experiments.table import Row, Table
+from relforest.support.errors import InputError
+from relforest.support.options import one_of
 from relforest.support.rng import seed_sequence, stream
 
 
@@ -55,6 +57,23 @@ class Place:
 
 @final
 @dataclass(frozen=True, slots=True)
+class Obstacle:
+    """Why a setting cannot be computed here.
+
+    Parameters
+    ----------
+    missing : str
+        What it needs, such as the title of a data set.
+    reason : str
+        Why that is missing, and what to do about it; equal for all that is missing for the same reason.
+    """
+
+    missing: str
+    reason: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class Study(Generic[S]):
     """A question put to the library, and how it is answered.
 
@@ -78,6 +97,11 @@ class Study(Generic[S]):
     compiles : bool
         Whether settings call kernels in the process that runs them. These are then compiled before several
         processes start, by running the first small setting.
+    choices : mapping of str to callable
+        What settings may be chosen by: for each option of the command line, such as ``"methods"``, the value
+        that a setting has.
+    obstacles : callable, optional
+        Returns, of the settings it is given, those that cannot be computed here, each with what it lacks.
     """
 
     name: str
@@ -88,3 +112,40 @@ class Study(Generic[S]):
     summarize: Callable[[Table], Findings]
     figures: Callable[[Table], Mapping[str, Figure]]
     compiles: bool = True
+    choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
+    obstacles: Callable[[Sequence[S]], Mapping[S, Obstacle]] | None = None
+
+
+def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, Sequence[str]]) -> list[int]:
+    """Return the numbers of the settings that have one of the wanted values in every choice named.
+
+    Parameters
+    ----------
+    study : Study
+    settings : sequence
+        Those to choose from.
+    only : mapping of str to sequence of str
+        Wanted values by choice of the study; without values, a choice leaves all settings.
+
+    Raises
+    ------
+    InputError
+        If the study has no such choice, no setting has a value, or none has all that is wanted.
+    """
+    wanted = {name: values for name, values in only.items() if values}
+    for name, values in wanted.items():
+        if name not in study.choices:
+            instead = f", only of {' and '.join(study.choices)}" if study.choices else ""
+            raise InputError(f"the study {study.name} has no choice of {name}{instead}: leave it out")
+        known = tuple(dict.fromkeys(study.choices[name](setting) for setting in settings))
+        for value in values:
+            one_of(f"{name} of the study {study.name}", value, known)
+    chosen = [
+        index
+        for index, setting in enumerate(settings)
+        if all(study.choices[name](setting) in values for name, values in wanted.items())
+    ]
+    if not chosen:
+        described = " and ".join(f"{name} {', '.join(values)}" for name, values in wanted.items())
+        raise InputError(f"the study {study.name} has no setting with {described}: choose others")
+    return chosen

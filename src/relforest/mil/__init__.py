@@ -1,11 +1,13 @@
 """Multiple-instance classifiers in the scikit-learn manner: fit bags of points, predict labels.
 
 A bag is positive if at least one of its instances is. `CovAggClassifier` looks for one ellipsoid
-that tells which.
+that tells which; `VolumeCommitteeClassifier` weighs the evidence of many, for concepts of several parts or of
+many features.
 """
 
 from __future__ import annotations
 
 from relforest.mil.covagg import CovAggClassifier
+from relforest.mil.volume_committee import VolumeCommitteeClassifier
 
-__all__ = ["CovAggClassifier"]
+__all__ = ["CovAggClassifier", "VolumeCommitteeClassifier"]

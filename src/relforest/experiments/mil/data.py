@@ -1,0 +1,177 @@
+"""The data sets: what each is called, and where its bags come from.
+
+East-West, the fourteenth of the source, is not among them: no copy of it is at hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.datasets import (
+    BagSet,
+    color,
+    covariant1,
+    covariant2,
+    disjunctive,
+    fetch_elephant,
+    fetch_fox,
+    fetch_musk1,
+    fetch_musk2,
+    fetch_mutagenesis_atoms,
+    fetch_mutagenesis_bonds,
+    fetch_mutagenesis_chains,
+    fetch_thioredoxin,
+    fetch_tiger,
+)
+from relforest.support.errors import DataError
+from relforest.support.rng import generator, seed_sequence, stream
+
+N_FOLDS: Final = 10
+"""Parts of a standard data set, each of which is the test set once."""
+
+_DRAWS, _FOLDS, _TUNING = 0, 1, 2
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Synthetic:
+    """A data set that is drawn as often as wanted.
+
+    Parameters
+    ----------
+    title : str
+        As tables have it.
+    key : int
+        Its number in the names of random streams; never given to another one.
+    draw : callable
+        Draws the given number of bags.
+    """
+
+    title: str
+    key: int
+    draw: Callable[[np.random.Generator, int], BagSet]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Standard:
+    """A data set that is there once.
+
+    Parameters
+    ----------
+    title, key
+        As of a synthetic one.
+    fetch : callable
+        Reads the bags, or raises a `DataError` that says how to get them.
+    """
+
+    title: str
+    key: int
+    fetch: Callable[[], BagSet]
+
+
+DataSet: TypeAlias = Synthetic | Standard
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """What is learned from, and what is then predicted."""
+
+    train: BagSet
+    test: BagSet
+
+
+DATA_SETS: Final[Mapping[str, DataSet]] = MappingProxyType(
+    {
+        "color": Synthetic("Color", 0, lambda rng, n: color(rng, n_bags=n)),
+        "covariant1": Synthetic("Covariant 1", 1, lambda rng, n: covariant1(rng, reading="sqrt2", n_bags=n)),
+        "covariant2": Synthetic("Covariant 2", 2, lambda rng, n: covariant2(rng, n_bags=n)),
+        "disjunctive": Synthetic("Disjunctive", 3, lambda rng, n: disjunctive(rng, n_bags=n)),
+        "musk1": Standard("Musk 1", 4, fetch_musk1),
+        "musk2": Standard("Musk 2", 5, fetch_musk2),
+        "mutagenesis-atoms": Standard("Muta Atoms", 6, fetch_mutagenesis_atoms),
+        "mutagenesis-bonds": Standard("Muta Bonds", 7, fetch_mutagenesis_bonds),
+        "mutagenesis-chains": Standard("Muta Chains", 8, fetch_mutagenesis_chains),
+        "thioredoxin": Standard("Thioredoxin", 9, fetch_thioredoxin),
+        "elephant": Standard("Elephant", 10, fetch_elephant),
+        "fox": Standard("Fox", 11, fetch_fox),
+        "tiger": Standard("Tiger", 12, fetch_tiger),
+    }
+)
+"""Name on the command line -> data set, in the order of the source's tables."""
+
+
+def splitter(data_set: DataSet, *, seed: int, n_bags: int) -> Callable[[int], Split]:
+    """Return a function from the number of a fold to its bags, the same for all methods.
+
+    Parameters
+    ----------
+    data_set : DataSet
+    seed : int
+        The seed of the study.
+    n_bags : int
+        Bags in each training and test set that is drawn; without meaning for others, of which a fold is one
+        of `N_FOLDS` parts.
+    """
+    if isinstance(data_set, Synthetic):
+        draws = stream(seed_sequence(seed), _DRAWS, data_set.key)
+        return lambda fold: _drawn(data_set, n_bags, stream(draws, fold))
+    all_bags = data_set.fetch()
+    parts = stratified_parts(
+        all_bags.labels, N_FOLDS, generator(stream(seed_sequence(seed), _FOLDS, data_set.key))
+    )
+    return lambda fold: Split(_taken(all_bags, parts != fold), _taken(all_bags, parts == fold))
+
+
+def tuning_splits(data_set: Synthetic, *, seed: int, n_bags: int, count: int) -> list[Split]:
+    """Return splits of a synthetic data set that are never used for scores."""
+    return [
+        _drawn(data_set, n_bags, stream(seed_sequence(seed), _TUNING, data_set.key, number))
+        for number in range(count)
+    ]
+
+
+def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Deal bags out at random to parts of nearly equal size with nearly equal shares of positives.
+
+    Parameters
+    ----------
+    labels : (n_bags,) bool
+    n_parts : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    (n_bags,) int64
+        The part of each bag: counts of parts differ by at most one, of either class and in total.
+    """
+    order = np.concatenate([rng.permutation(np.flatnonzero(labels == label)) for label in (True, False)])
+    parts = np.empty(len(labels), dtype=np.int64)
+    parts[order] = np.arange(len(labels)) % n_parts
+    return parts
+
+
+def why_unreadable(data_set: DataSet) -> str | None:
+    """Return why the files of a data set cannot be had here, and the remedy; None if they can."""
+    if isinstance(data_set, Standard):
+        try:
+            data_set.fetch()
+        except DataError as error:
+            return str(error)
+    return None
+
+
+def _drawn(data_set: Synthetic, n_bags: int, seed: np.random.SeedSequence) -> Split:
+    rng = generator(seed)
+    return Split(data_set.draw(rng, n_bags), data_set.draw(rng, n_bags))
+
+
+def _taken(all_bags: BagSet, which: NDArray[np.bool_]) -> BagSet:
+    return BagSet([all_bags.bags[number] for number in np.flatnonzero(which)], all_bags.labels[which])

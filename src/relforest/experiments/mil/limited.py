@@ -1,0 +1,116 @@
+"""Doing the steps of a job in a process of its own, whose CPU time is limited and whose memory is watched."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Final, final
+
+from relforest.experiments.mil.steps import STOPPED, Job, Step
+from relforest.experiments.mil.worker import peak_memory
+from relforest.support.errors import RelforestError
+
+_START: Final = (
+    "import json, sys; asked = json.loads(sys.stdin.read()); sys.path[:] = asked['path']; "
+    "from relforest.experiments.mil.worker import serve; serve(asked['job'], asked['parent'])"
+)
+_ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+_LOOK_SECONDS: Final = 0.1
+_SHOWN: Final = 4000
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Ended:
+    """How a process ended: its exit status, what it complained of, and its largest memory."""
+
+    status: int
+    errors: str
+    peak_bytes: int
+
+
+def run_job(job: Job, name: str) -> list[Step]:
+    """Do what is left of a job and return all its steps.
+
+    Parameters
+    ----------
+    job : Job
+    name : str
+        What it is, for messages.
+
+    Returns
+    -------
+    list of Step
+        In order; those missing at the end come after a step that was stopped.
+
+    Raises
+    ------
+    RelforestError
+        If a process ends otherwise than by having done its work or exceeding its limit.
+    """
+    steps = job.saved()
+    while not job.is_over(steps):
+        ended = _run(job)
+        steps = job.saved()
+        if ended.status == -signal.SIGXCPU:
+            steps.append(Step(STOPPED, None, ended.peak_bytes))
+            job.save(steps)
+        elif ended.status != 0 or not job.is_over(steps):
+            raise RelforestError(
+                f"{name}, step {len(steps)} (of 0 to {job.n_steps - 1}): the process {_told(ended.status)}\n"
+                f"{ended.errors[-_SHOWN:]}"
+            )
+    return steps
+
+
+def _run(job: Job) -> _Ended:
+    with (
+        _pipe() as (reading, _),
+        subprocess.Popen(  # noqa: S603 - our own interpreter
+            [sys.executable, "-c", _START],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            pass_fds=(reading,),
+            env={**os.environ, **_ONE_THREAD},
+        ) as process,
+    ):
+        asked = {"path": sys.path, "job": job.to_dict(), "parent": reading}
+        message: bytes | None = json.dumps(asked).encode()
+        peak = 0
+        while True:
+            try:
+                _, errors = process.communicate(message, timeout=_LOOK_SECONDS)
+            except subprocess.TimeoutExpired:
+                message = None
+                peak = max(peak, peak_memory(process.pid))
+            except BaseException:
+                process.kill()
+                raise
+            else:
+                return _Ended(process.returncode, errors.decode(errors="replace"), peak)
+
+
+@contextmanager
+def _pipe() -> Iterator[tuple[int, int]]:
+    ends = os.pipe()
+    try:
+        yield ends
+    finally:
+        for end in ends:
+            os.close(end)
+
+
+def _told(status: int) -> str:
+    """Say how a process ended."""
+    if status == -signal.SIGKILL:
+        return "was killed, perhaps for want of memory"
+    if status < 0:
+        return f"was ended by the signal {signal.Signals(-status).name}"
+    return "ended early" if status == 0 else f"failed with exit status {status}"

@@ -1,0 +1,14 @@
+"""What each part of a committee of volumes is good for, on the data that it was designed with.
+
+`made_up` draws bags that stand for difficulties of published sets, `settings` holds the data sets and the
+variants, `run` turns a data set into rows, `analysis` turns the table into findings and a figure. The
+question, the command and the result seen stand in ``README.md``.
+"""
+
+from __future__ import annotations
+
+from relforest.experiments.mil_ablation.analysis import figures, summarize
+from relforest.experiments.mil_ablation.run import compute
+from relforest.experiments.mil_ablation.settings import SETTINGS, SMOKE
+
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]

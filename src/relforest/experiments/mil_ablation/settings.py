@@ -1,0 +1,83 @@
+"""The data sets that the committee was designed with, and its variants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final, final
+
+from relforest.mil.volume_panels import PANELS
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class AblationSetting:
+    """One data set.
+
+    Parameters
+    ----------
+    data_set : str
+        A key of `TITLES`.
+    draws : int
+        Pairs of a training and a test set; of Musk 1, folds of repeated 10-fold cross validation.
+    n_bags : int
+        Bags in each synthetic set; 0 for what is usual.
+    is_whole : bool
+        Whether all variants are run, or just the published algorithm and the committee.
+    """
+
+    data_set: str
+    draws: int = 10
+    n_bags: int = 0
+    is_whole: bool = True
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """Keys of `VARIANTS`."""
+        return tuple(VARIANTS) if self.is_whole else (PUBLISHED, COMMITTEE)
+
+    def __str__(self) -> str:
+        """Return the title of the data set."""
+        return TITLES[self.data_set]
+
+
+TITLES: Final = MappingProxyType(
+    {
+        "color": "Color",
+        "covariant1": "Covariant 1",
+        "covariant2": "Covariant 2",
+        "disjunctive": "Disjunctive",
+        "three-parts": "three parts",
+        "rare": "rare",
+        "wide": "wide",
+        "elements": "elements",
+        "digits": "digits",
+        "digit-mixture": "digit mixture",
+        "musk1": "Musk 1",
+    }
+)
+PUBLISHED: Final = "CovAgg"
+COMMITTEE: Final = "committee"
+# Name -> options of the committee; None stands for the published algorithm.
+VARIANTS: Final[Mapping[str, Mapping[str, Any] | None]] = MappingProxyType(
+    {
+        PUBLISHED: None,
+        COMMITTEE: {},
+        "all panels alike": {"n_splits": 1},
+        **{f"only {name}": {"panels": (name,)} for name in PANELS},
+        **{
+            f"without {name}": {"panels": tuple(other for other in PANELS if other != name)}
+            for name in PANELS
+        },
+    }
+)
+
+# Two repetitions of cross validation, since its folds share most of their bags.
+SETTINGS: Final = tuple(
+    AblationSetting(data_set, draws=20 if data_set == "musk1" else 10) for data_set in TITLES
+)
+SMOKE: Final = tuple(
+    AblationSetting(data_set, draws=2, n_bags=12, is_whole=False)
+    for data_set in ("color", "covariant1", "disjunctive", "digits")
+)

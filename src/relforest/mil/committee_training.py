@@ -1,0 +1,115 @@
+"""The training of a committee of volumes on one split of the bags.
+
+Letters: n points, b bags, m balls, f coordinates of a view.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.model_selection import StratifiedKFold
+
+from relforest.mil.feature_view import FeatureView
+from relforest.mil.placed_volume import PlacedVolume, bag_nearness
+from relforest.mil.volume_panels import BALL_RULES, PANELS, Rule, find_volumes, rows_of, volume_rule
+from relforest.support.rng import generator, stream
+
+__all__ = ["Found", "PanelMember", "Training", "find_split_volumes", "split_bags", "train_panels"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Training:
+    """What all splits share; `shown` are the views of the volume panels with the points in them."""
+
+    shown: dict[str, tuple[FeatureView, NDArray[np.float64]]]
+    points: NDArray[np.float64]
+    starts: NDArray[np.int64]
+    positive: NDArray[np.bool_]
+    ball_bags: NDArray[np.int64]  # (m,) bag of the instance that each ball is around
+    ball_features: dict[str, NDArray[np.float64]]  # (b, m) for each of `BALL_RULES`
+    n_volumes: int
+    part_size: int
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """Volumes of a panel and the nearness (b, k) of all bags to them."""
+
+    volumes: list[PlacedVolume]
+    near: NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class PanelMember:
+    """What one panel learned in one split, and its scores of the bags left out."""
+
+    volumes: list[PlacedVolume]
+    balls: NDArray[np.int64]
+    rule: Rule
+    scores: NDArray[np.float64]
+
+
+def split_bags(
+    positive: NDArray[np.bool_], n_splits: int, rng: np.random.Generator
+) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Training and left-out bags of each split; all bags are both if they cannot be split."""
+    n_splits = min(n_splits, int(positive.sum()), int((~positive).sum()))
+    if n_splits < 2:
+        return [(np.arange(len(positive)),) * 2]
+    folds = StratifiedKFold(n_splits, shuffle=True, random_state=int(rng.integers(2**31)))
+    return list(folds.split(positive, positive))
+
+
+def find_split_volumes(
+    training: Training, panels: tuple[str, ...], train: NDArray[np.int64], seed: np.random.SeedSequence
+) -> dict[str, Found]:
+    """Let the panels of aggregated volumes find theirs in the bags `train`."""
+    positive = training.positive[train]
+    rows, starts = rows_of(training.starts, train)
+    found = {}
+    for name in panels:
+        if name not in training.shown:
+            continue
+        view, coordinates = training.shown[name]
+        # Named by the panel's place among all, so that leaving one out does not change the others.
+        rng = generator(stream(seed, PANELS.index(name)))
+        volumes = find_volumes(
+            name,
+            view,
+            (coordinates[rows], starts, positive),
+            n_volumes=training.n_volumes,
+            part_size=training.part_size,
+            rng=rng,
+        )
+        found[name] = Found(volumes, bag_nearness(volumes, training.points, training.starts))
+    return found
+
+
+def train_panels(
+    training: Training,
+    panels: tuple[str, ...],
+    found: dict[str, Found],
+    train: NDArray[np.int64],
+    test: NDArray[np.int64],
+) -> list[PanelMember]:
+    """Let every panel learn its rule from the bags `train` and score the bags `test`."""
+    positive = training.positive[train]
+    members = []
+    for name in panels:
+        balls = np.empty(0, dtype=np.int64)
+        volumes: list[PlacedVolume] = []
+        if name in found:
+            volumes, near = found[name].volumes, found[name].near
+            rule = volume_rule(near[train], positive)
+        else:
+            balls = np.flatnonzero(np.isin(training.ball_bags, train))
+            near = training.ball_features[name][:, balls]
+            rule = BALL_RULES[name](near[train], positive)
+        members.append(PanelMember(volumes, balls, rule, rule.scores(near[test])))
+    return members

@@ -1,0 +1,58 @@
+"""How much each panel of a committee counts, judged on bags that it was not trained on.
+
+Letters: b bags, p panels.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+__all__ = ["panel_weights"]
+
+# Pull towards equal weights, so that few bags do not decide between panels.
+_PULL: Final = 1.0
+
+
+def panel_weights(
+    scores: NDArray[np.float64], positive: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], float]:
+    """Weights of the panels, none negative, and an intercept: log odds of a bag if classes were balanced.
+
+    Parameters
+    ----------
+    scores : (b, p) float64 array
+        Score of each bag by each panel, none of which was trained on that bag.
+    positive : (b,) bool array
+        Labels, both present.
+
+    Returns
+    -------
+    (ndarray (p,), float)
+        What minimises the logistic loss, the classes weighing the same, plus half the squared distance of the
+        weights from 1 / p, both for scores divided by their standard deviation.
+    """
+    n_panels = scores.shape[1]
+    spread = scores.std(axis=0)
+    spread[spread == 0.0] = 1.0
+    scaled = scores / spread
+    sign = np.where(positive, 1.0, -1.0)
+    balance = np.where(positive, 0.5 / positive.mean(), 0.5 / (1.0 - positive.mean()))
+    equal = 1.0 / n_panels
+
+    def loss(parameters: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        weights, intercept = parameters[:-1], parameters[-1]
+        margin = sign * (scaled @ weights + intercept)
+        # d/dm log(1 + exp(-m)), in a form that does not overflow.
+        slope = -balance * sign * 0.5 * (1.0 - np.tanh(0.5 * margin))
+        pull = weights - equal
+        value = float(balance @ np.logaddexp(0.0, -margin) + 0.5 * _PULL * pull @ pull)
+        return value, np.append(scaled.T @ slope + _PULL * pull, slope.sum())
+
+    start = np.append(np.full(n_panels, equal), 0.0)
+    bounds = [(0.0, None)] * n_panels + [(None, None)]
+    best: NDArray[np.float64] = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds).x
+    return best[:-1] / spread, float(best[-1])

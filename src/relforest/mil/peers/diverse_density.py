@@ -1,0 +1,146 @@
+"""Diverse density (Maron and Lozano-Perez 1997) as a scikit-learn classifier of bags."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from relforest.mil.bag_classifier import InstanceClassifier
+from relforest.mil.peers.hypotheses import Hypothesis, search_space
+from relforest.mil.peers.noisy_or import Sample, bag_log_odds, instance_log_odds
+from relforest.mil.peers.quasi_newton import descend
+from relforest.support.jit import kernel
+from relforest.support.options import at_least
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes.bags import Bags
+
+_FIRST_STEPS: Final = 10
+_FIRST_TOLERANCE: Final = 1e-3
+_TOLERANCE: Final = 1e-5
+
+
+@final
+class DiverseDensityClassifier(InstanceClassifier):
+    """Multiple-instance classifier by the point of greatest diverse density.
+
+    It seeks a point, with a scale per feature, that is near to at least one instance of each positive bag and
+    far from all instances of negative bags, by gradient ascent from many starts.
+
+    Parameters
+    ----------
+    scale : bool, default True
+        Divide each feature by its standard deviation over all training instances first.
+    refined : int or None, default 10
+        How many of the starts are climbed to the end: those that are best after 10 steps. None climbs all.
+    max_steps : int, default 500
+        Most steps of one ascent.
+
+    Attributes
+    ----------
+    center_ : ndarray (d,)
+        The point, in the units of the bags.
+    scales_ : ndarray (d,)
+        Scale of each feature, at least 0: an instance x is positive with a probability of
+        ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
+    negative_log_density_ : float
+        -log of the diverse density, the probability of all training labels.
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    n_features_in_ : int
+        Dimension of the points.
+
+    Notes
+    -----
+    Scores are logarithms of odds: `scipy.special.expit` makes probabilities of them. A bag is positive if the
+    noisy-or of its instances is at least 1/2, which several instances, each less probable, reach together: a
+    positive bag may be without positive instances.
+
+    Starts are the different instances of the largest positive bag (of all the largest ones), as in Weka's
+    MIDD, which the source compares with. Features that are constant in training do not matter.
+
+    References
+    ----------
+    Maron and Lozano-Perez (1997), "A framework for multiple-instance learning", NIPS 10; Palmer (2015),
+    section 3.3, for the scaling.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest.mil.peers import DiverseDensityClassifier
+    >>> rng = np.random.default_rng(0)
+    >>> bags = rng.normal(size=(40, 3, 2))
+    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
+    >>> model = DiverseDensityClassifier().fit(bags, [1] * 20 + [0] * 20)
+    >>> model.predict(bags[[0, 30]])
+    array([1, 0])
+    """
+
+    center_: NDArray[np.float64]
+    scales_: NDArray[np.float64]
+    negative_log_density_: float
+
+    def __init__(self, *, scale: bool = True, refined: int | None = 10, max_steps: int = 500) -> None:
+        self.scale = scale
+        self.refined = refined
+        self.max_steps = max_steps
+
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+        max_steps = at_least("max_steps", self.max_steps, 1)
+        if self.refined is not None:
+            at_least("refined", self.refined, 1)
+        search = search_space(bags, positive, scale=self.scale)
+        starts = search.starts(positive & (bags.counts == bags.counts[positive].max()))
+        kept = len(starts) if self.refined is None else min(self.refined, len(starts))
+        found, value = densest(search.sample, starts, kept, max_steps)
+        hypothesis = search.in_own_units(found)
+        self.center_, self.scales_ = hypothesis.center, hypothesis.scales
+        self.negative_log_density_ = value
+
+    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Logarithm of the odds p / (1 - p)."""
+        return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
+
+    def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
+        """Logarithm of the odds of the noisy-or."""
+        squared = Hypothesis(self.center_, self.scales_).squared_distances(bags.points)
+        return bag_log_odds(squared, bags.starts)
+
+
+@kernel
+def densest(
+    sample: Sample, starts: NDArray[np.float64], kept: int, max_steps: int
+) -> tuple[NDArray[np.float64], float]:
+    """Climb from all starts a little, and from where the best of them came to the end.
+
+    Parameters
+    ----------
+    sample : Sample
+    starts : ndarray (n_starts, 2, d)
+    kept : int
+        How many are climbed to the end, at most n_starts.
+    max_steps : int
+        Most steps of one ascent.
+
+    Returns
+    -------
+    (ndarray (2, d), float)
+        The best hypothesis and its negative log density.
+    """
+    values = np.full(kept, np.inf)
+    hypotheses = starts[:kept].copy()
+    first_steps = min(_FIRST_STEPS, max_steps)
+    for start in starts:
+        hypothesis = start.copy()
+        value = descend(sample, hypothesis, first_steps, _FIRST_TOLERANCE)
+        worst = np.argmax(values)
+        if value < values[worst]:
+            values[worst] = value
+            hypotheses[worst] = hypothesis
+    for i in range(kept):
+        values[i] = descend(sample, hypotheses[i], max_steps - first_steps, _TOLERANCE)
+    best = np.argmin(values)
+    return hypotheses[best], values[best]

@@ -1,0 +1,200 @@
+"""EM-DD (Zhang and Goldman 2001) as a scikit-learn classifier of bags."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from relforest.mil.bag_classifier import InstanceClassifier
+from relforest.mil.peers.hypotheses import Hypothesis, search_space
+from relforest.mil.peers.noisy_or import CERTAINTY, Sample, instance_log_odds, squared_distances
+from relforest.mil.peers.quasi_newton import descend
+from relforest.support.jit import kernel
+from relforest.support.options import at_least
+from relforest.support.rng import RandomState, generator, seed_sequence
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes.bags import Bags
+
+_MOST_ROUNDS: Final = 10
+_TOLERANCE: Final = 1e-5
+
+
+@final
+class EMDDClassifier(InstanceClassifier):
+    """Multiple-instance classifier by expectation maximisation of the diverse density.
+
+    Like diverse density, but with one instance per bag that speaks for it: the most probable one under the
+    hypothesis at hand. Choosing these witnesses and improving the hypothesis for them alternate.
+
+    Parameters
+    ----------
+    scale : bool, default True
+        Divide each feature by its standard deviation over all training instances first.
+    start_bags : int or None, default 3
+        From the instances of how many positive bags, drawn at random, the search starts; None takes all.
+    max_steps : int, default 500
+        Most steps of one ascent.
+    random_state : int, SeedSequence, Generator or None, default None
+        Seed of the drawing of bags; an integer makes `fit` repeatable.
+
+    Attributes
+    ----------
+    center_ : ndarray (d,)
+        The point, in the units of the bags.
+    scales_ : ndarray (d,)
+        Scale of each feature, at least 0: an instance x is positive with a probability of
+        ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
+    negative_log_density_ : float
+        -log of the diverse density of the witnesses.
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    n_features_in_ : int
+        Dimension of the points.
+
+    Notes
+    -----
+    Scores are logarithms of odds: `scipy.special.expit` makes probabilities of them. A bag is as probable as
+    its best instance, and positive from 1/2 on.
+
+    A round is a choice of witnesses and an ascent; the hypothesis of the round before the first that gains
+    nothing is taken, or of the tenth. Of all starts the one whose hypothesis makes the fewest mistakes in the
+    training bags wins, then the one of the greatest density. Features that are constant in training do not
+    matter.
+
+    Weka's MIEMDD, which the source compares with, also starts from three bags and goes by mistakes. In 15 of
+    40 draws of the set Disjunctive it ended in a start that was never improved (all scales exactly 1, the
+    mean PSS there -0.01); in the other 25 it scored as this class does. That would explain why the source's
+    score of EM-DD on Disjunctive is low, 0.19 where this class has 0.32.
+
+    References
+    ----------
+    Zhang and Goldman (2001), "EM-DD: an improved multiple-instance learning technique", NIPS 14; Palmer
+    (2015), section 3.3, for the scaling.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest.mil.peers import EMDDClassifier
+    >>> rng = np.random.default_rng(0)
+    >>> bags = rng.normal(size=(40, 3, 2))
+    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
+    >>> model = EMDDClassifier(random_state=0).fit(bags, [1] * 20 + [0] * 20)
+    >>> model.predict(bags[[0, 30]])
+    array([1, 0])
+    """
+
+    center_: NDArray[np.float64]
+    scales_: NDArray[np.float64]
+    negative_log_density_: float
+
+    def __init__(
+        self,
+        *,
+        scale: bool = True,
+        start_bags: int | None = 3,
+        max_steps: int = 500,
+        random_state: RandomState = None,
+    ) -> None:
+        self.scale = scale
+        self.start_bags = start_bags
+        self.max_steps = max_steps
+        self.random_state = random_state
+
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+        max_steps = at_least("max_steps", self.max_steps, 1)
+        rng = generator(seed_sequence(self.random_state))
+        chosen = np.flatnonzero(positive)
+        if self.start_bags is not None:
+            n_chosen = min(at_least("start_bags", self.start_bags, 1), len(chosen))
+            chosen = rng.choice(chosen, n_chosen, replace=False)
+        search = search_space(bags, positive, scale=self.scale)
+        starts = search.starts(np.isin(np.arange(len(bags)), chosen))
+        found, value = most_convincing(search.sample, starts, max_steps)
+        hypothesis = search.in_own_units(found)
+        self.center_, self.scales_ = hypothesis.center, hypothesis.scales
+        self.negative_log_density_ = value
+
+    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Logarithm of the odds p / (1 - p)."""
+        return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
+
+
+@kernel
+def most_convincing(
+    sample: Sample, starts: NDArray[np.float64], max_steps: int
+) -> tuple[NDArray[np.float64], float]:
+    """Run EM-DD from all starts.
+
+    Parameters
+    ----------
+    sample : Sample
+    starts : ndarray (n_starts, 2, d)
+    max_steps : int
+        Most steps of one ascent.
+
+    Returns
+    -------
+    (ndarray (2, d), float)
+        The hypothesis with the fewest mistakes, and its negative log density.
+    """
+    best, best_value, fewest = starts[0].copy(), np.inf, len(sample.positive) + 1
+    squared = np.empty(len(sample.points))
+    for start in starts:
+        hypothesis = start.copy()
+        value = alternate(sample, hypothesis, max_steps, squared)
+        mistakes = count_mistakes(sample, hypothesis, squared)
+        if mistakes < fewest or (mistakes == fewest and value < best_value):
+            best, best_value, fewest = hypothesis, value, mistakes
+    return best, best_value
+
+
+@kernel
+def alternate(
+    sample: Sample, hypothesis: NDArray[np.float64], max_steps: int, squared: NDArray[np.float64]
+) -> float:
+    """Improve a hypothesis (2, d) in place by rounds of EM; its negative log density.
+
+    `squared` (n,) is work space.
+    """
+    n_bags = len(sample.positive)
+    places = np.arange(n_bags + 1)
+    previous = np.full(n_bags, -1)
+    best = np.inf
+    for _ in range(_MOST_ROUNDS):
+        chosen = witnesses(sample, hypothesis, squared)
+        if np.array_equal(chosen, previous):
+            break
+        points = sample.points[chosen]
+        improved = hypothesis.copy()
+        columns = np.ascontiguousarray(points.T)
+        value = descend(Sample(points, columns, places, sample.positive), improved, max_steps, _TOLERANCE)
+        if not value < best:
+            break
+        best, previous = value, chosen
+        hypothesis[:] = improved
+    return best
+
+
+@kernel
+def witnesses(
+    sample: Sample, hypothesis: NDArray[np.float64], squared: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Most probable point of each bag, (n_bags,), the first one of equals; `squared` (n,) is work space."""
+    squared_distances(sample.columns, hypothesis, squared)
+    chosen = np.empty(len(sample.positive), dtype=np.int64)
+    for bag in range(len(chosen)):
+        first = sample.starts[bag]
+        chosen[bag] = first + np.argmin(squared[first : sample.starts[bag + 1]])
+    return chosen
+
+
+@kernel
+def count_mistakes(sample: Sample, hypothesis: NDArray[np.float64], squared: NDArray[np.float64]) -> int:
+    """How many bags a hypothesis (2, d) labels wrongly; `squared` (n,) is work space."""
+    chosen = witnesses(sample, hypothesis, squared)
+    within = squared[chosen] <= np.log(2.0 * CERTAINTY)
+    return int(np.sum(within != sample.positive))

@@ -1,0 +1,92 @@
+"""What a search for the best hypothesis starts from, and what it ends as."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from relforest.mil.peers.noisy_or import Sample, as_sample, squared_distances
+from relforest.mil.scaling import check_magnitude, feature_units
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes.bags import Bags
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Hypothesis:
+    """A centre and a scale per feature, in the units of the bags.
+
+    Attributes
+    ----------
+    center : ndarray (d,)
+    scales : ndarray (d,)
+        At least 0; 0 for features that do not matter.
+    """
+
+    center: NDArray[np.float64]
+    scales: NDArray[np.float64]
+
+    def squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Squared distances D^2 of points (n, d), (n,).
+
+        Raises
+        ------
+        InputError
+            If a value is beyond 1e30.
+        """
+        check_magnitude(points)
+        squared = np.empty(len(points))
+        squared_distances(np.ascontiguousarray(points.T), np.stack([self.center, self.scales]), squared)
+        return squared
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """Training bags, with features scaled as a search takes them.
+
+    Attributes
+    ----------
+    sample : Sample
+    shift : ndarray (d,)
+        What was subtracted from the features, so that large offsets cost no digits.
+    factors : ndarray (d,)
+        What they were multiplied by then; 0 for constant features.
+    """
+
+    sample: Sample
+    shift: NDArray[np.float64]
+    factors: NDArray[np.float64]
+
+    def starts(self, in_bags: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Hypotheses (n_starts, 2, d) at the different instances of some of the bags, with scales of 1."""
+        rows = np.repeat(in_bags, np.diff(self.sample.starts))
+        centres = np.unique(self.sample.points[rows], axis=0)
+        # A constant feature tells nothing, so that it shall not matter for other bags either.
+        scales = np.broadcast_to(np.where(self.factors > 0.0, 1.0, 0.0), centres.shape)
+        return np.stack([centres, scales], axis=1)
+
+    def in_own_units(self, found: NDArray[np.float64]) -> Hypothesis:
+        """Return a hypothesis (2, d) of this search in the units of the bags."""
+        widths = np.divide(1.0, self.factors, out=np.zeros_like(self.factors), where=self.factors > 0.0)
+        return Hypothesis(self.shift + found[0] * widths, np.abs(found[1]) * self.factors)
+
+
+def search_space(bags: Bags, positive: NDArray[np.bool_], *, scale: bool) -> Search:
+    """Prepare labelled bags, with features divided by their standard deviations if `scale` is true.
+
+    Raises
+    ------
+    InputError
+        If a value is beyond 1e30.
+    """
+    units = feature_units(bags.points, "standard")
+    varies = units.width > 0.0
+    shift = np.where(varies, units.shift, bags.points[0])
+    factors = units.factors if scale else np.where(varies, 1.0, 0.0)
+    return Search(as_sample((bags.points - shift) * factors, bags.starts, positive), shift, factors)

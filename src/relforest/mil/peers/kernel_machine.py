@@ -1,0 +1,200 @@
+"""Support vector machines with a radial kernel, trained by LIBSVM on one set of points again and again.
+
+Dimensions: n training points, m support vectors, d features, p points to score.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.svm import SVC
+
+from relforest.support.options import at_least, in_range
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# 32 MB of kernel values. For more points than that LIBSVM, which computes only the rows it needs, is faster.
+MOST_STORED_POINTS: Final = 2000
+# Of kernel rows that LIBSVM keeps, in MB.
+_CACHE_SIZE: Final = 200
+# Of kernel values for one block of points to score, 32 MB.
+_BLOCK: Final = 4_000_000
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SolverSettings:
+    """How exactly LIBSVM solves.
+
+    Attributes
+    ----------
+    C : float
+        Price of slack per training point.
+    tol : float
+        Largest violation of the optimality conditions.
+    max_iter : int
+        Most steps of the solver.
+    """
+
+    C: float
+    tol: float
+    max_iter: int
+
+    @classmethod
+    def checked(cls, C: object, tol: object, max_iter: object, *, shares: int) -> SolverSettings:
+        """Check options as users wrote them and divide C among a number of shares.
+
+        Raises
+        ------
+        InputError
+            If one is out of range.
+        """
+        return cls(
+            in_range("C", C, 0.0, math.inf, open_low=True, open_high=True) / shares,
+            in_range("tol", tol, 0.0, math.inf, open_low=True, open_high=True),
+            at_least("max_solver_iter", max_iter, 1),
+        )
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class KernelMachine:
+    """A trained machine: f(x) = sum_i coefficient_i exp(-gamma |x - vector_i|^2) + intercept.
+
+    Attributes
+    ----------
+    vectors : (m, d) array
+        Support vectors.
+    coefficients : (m,) array
+        Their weights, at least 0 for positive ones.
+    rows : (m,) int64 array
+        Which of the training points they are.
+    intercept : float
+        The threshold, with the sign turned.
+    gamma : float
+        Coefficient of squared distances.
+    converged : bool
+        Whether the solver reached its tolerance.
+    """
+
+    vectors: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    rows: NDArray[np.int64]
+    intercept: float
+    gamma: float
+    converged: bool
+
+    def scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of f for points (p, d), shape (p,): positive on the side of the positive class."""
+        # Near the origin squared distances lose fewer digits.
+        center = self.vectors.mean(axis=0)
+        vectors = self.vectors - center
+        found = np.empty(len(points))
+        step = max(1, _BLOCK // len(vectors))
+        for first in range(0, len(points), step):
+            block = slice(first, first + step)
+            found[block] = radial_kernel(points[block] - center, vectors, self.gamma) @ self.coefficients
+        found += self.intercept
+        return found
+
+
+@final
+class KernelProblem:
+    """Points on which machines are trained for one labelling after another.
+
+    Kernel values are computed once for up to `MOST_STORED_POINTS` points. LIBSVM starts from nothing each
+    time, since scikit-learn gives it no earlier solution to start from.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        Copied.
+    gamma : float
+        Coefficient of squared distances.
+    settings : SolverSettings
+        The same for all trainings.
+    """
+
+    def __init__(self, points: NDArray[np.float64], gamma: float, settings: SolverSettings) -> None:
+        self._points = points.copy()
+        # Near the origin squared distances lose fewer digits.
+        self._center = points.mean(axis=0)
+        self._centered = points - self._center
+        self._gamma = gamma
+        self._settings = settings
+        self._kernel: NDArray[np.float64] | None = None
+        if len(points) <= MOST_STORED_POINTS:
+            self._kernel = radial_kernel(self._centered, self._centered, gamma)
+
+    def replace_last(self, points: NDArray[np.float64]) -> None:
+        """Put other points (k, d) in the place of the last k."""
+        first = len(self._points) - len(points)
+        self._points[first:] = points
+        self._centered[first:] = points - self._center
+        if self._kernel is not None:
+            columns = radial_kernel(self._centered, self._centered[first:], self._gamma)
+            self._kernel[:, first:] = columns
+            self._kernel[first:] = columns.T
+
+    def solve(self, positive: NDArray[np.bool_]) -> KernelMachine:
+        """Train a machine; `positive` (n,) must have both values."""
+        settings = self._settings
+        stored = self._kernel is not None
+        solver = SVC(
+            C=settings.C,
+            kernel="precomputed" if stored else "rbf",
+            gamma=self._gamma,
+            tol=settings.tol,
+            max_iter=settings.max_iter,
+            cache_size=_CACHE_SIZE,
+        )
+        with warnings.catch_warnings():
+            # Said by `converged` instead.
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            solver.fit(self._kernel if stored else self._centered, positive)
+        rows = solver.support_.astype(np.int64)
+        return KernelMachine(
+            self._points[rows],
+            solver.dual_coef_[0].copy(),
+            rows,
+            float(solver.intercept_[0]),
+            self._gamma,
+            solver.fit_status_ == 0,
+        )
+
+    def scores(self, machine: KernelMachine) -> NDArray[np.float64]:
+        """Values of a machine for all training points, shape (n,)."""
+        if self._kernel is None:
+            return machine.scores(self._points)
+        found: NDArray[np.float64] = self._kernel[:, machine.rows] @ machine.coefficients + machine.intercept
+        return found
+
+
+def radial_kernel(a: NDArray[np.float64], b: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
+    """Return exp(-gamma |x - y|^2) for all x of `a` (n, d) and y of `b` (k, d): (n, k)."""
+    values = squared_distances(a, b)
+    # A product too large for a number leads to the right kernel value, 0.
+    with np.errstate(over="ignore"):
+        values *= -gamma
+    return np.exp(values, out=values)
+
+
+def squared_distances(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return |x - y|^2 for all x of `a` (n, d) and y of `b` (k, d): (n, k).
+
+    Notes
+    -----
+    By |x|^2 + |y|^2 - 2 x.y, which is fast and exact to a few units of the last digit of the largest |x|^2;
+    pass points whose mean is near the origin.
+    """
+    values = a @ b.T
+    values *= -2.0
+    values += np.einsum("ij,ij->i", a, a)[:, np.newaxis]
+    values += np.einsum("ij,ij->i", b, b)
+    return np.maximum(values, 0.0, out=values)

@@ -1,0 +1,173 @@
+"""MILES: bags described by their nearness to every training instance, and a sparse linear machine on that."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.svm import LinearSVC
+
+from relforest.mil.bag_classifier import BagClassifier
+from relforest.mil.peers.kernel_machine import squared_distances
+from relforest.mil.peers.kernel_width import kernel_gamma
+from relforest.scenes.bags import Bags
+from relforest.support.options import at_least, in_range
+from relforest.support.rng import RandomState, generator, seed_sequence
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# Of squared distances in one block, 32 MB.
+_BLOCK: Final = 4_000_000
+
+
+@final
+class MILESClassifier(BagClassifier):
+    """Multiple-instance learning via embedded instance selection.
+
+    Feature k of a bag is ``max_j exp(-gamma |x_j - x^k|^2)`` over its instances x_j, where x^k is training
+    instance k, of whichever bag; equal instances count once. On these features LIBLINEAR trains a linear
+    machine with an L1 penalty and squared hinge loss. It classifies bags only.
+
+    Parameters
+    ----------
+    C : float, default 1e4
+        Price of slack.
+    gamma : "heuristic" or float, default "heuristic"
+        Coefficient of squared distances in the features: a number, or 1 / (2 s^2) with s the mean of the 10th
+        and 90th percentile of the distances between training instances (thinned out beyond 3000 instances).
+    gamma_factor : float, default 1.0
+        Multiplies gamma.
+    fit_intercept : bool, default False
+        Whether there is a threshold. LIBLINEAR's own default is none; Chen et al. have one.
+    tol : float, default 0.01
+        LIBLINEAR's tolerance, relative to the violation it starts from; 0.01 is LIBLINEAR's own default.
+    max_iter : int, default 5000
+        Most passes of LIBLINEAR over the features.
+    random_state : int, SeedSequence, Generator or None, default None
+        Seed of the order in which LIBLINEAR visits the features; an integer makes `fit` repeatable.
+
+    Attributes
+    ----------
+    prototypes_ : ndarray (k, d)
+        The distinct training instances whose weight is not 0.
+    coef_ : ndarray (k,)
+        Their weights: positive where nearness speaks for a positive bag.
+    intercept_ : float
+        0 without `fit_intercept`.
+    gamma_ : float
+        The coefficient used, factor included.
+    n_iter_ : int
+        Passes made by LIBLINEAR.
+    converged_ : bool
+        Whether LIBLINEAR reached its tolerance. With the default C it often does not if classes overlap.
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    n_features_in_ : int
+        Dimension of the points.
+
+    Notes
+    -----
+    With the default C and classes that overlap, LIBLINEAR needs up to some 35 000 passes. A larger `max_iter`
+    lets it make them, for slightly lower scores where we looked: 0.29 instead of 0.31 on Covariant 1.
+
+    References
+    ----------
+    Chen, Bi and Wang (2006), MILES: multiple-instance learning via embedded instance selection.
+    Fan et al. (2008), LIBLINEAR: a library for large linear classification.
+    Palmer (2015), section 3.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest.mil.peers import MILESClassifier
+    >>> rng = np.random.default_rng(0)
+    >>> bags = rng.normal(size=(40, 3, 2))
+    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
+    >>> model = MILESClassifier(random_state=0).fit(bags, [1] * 20 + [0] * 20)
+    >>> model.predict(bags[[0, 30]])
+    array([1, 0])
+    """
+
+    def __init__(
+        self,
+        *,
+        C: float = 1e4,
+        gamma: str | float = "heuristic",
+        gamma_factor: float = 1.0,
+        fit_intercept: bool = False,
+        tol: float = 0.01,
+        max_iter: int = 5000,
+        random_state: RandomState = None,
+    ) -> None:
+        self.C = C
+        self.gamma = gamma
+        self.gamma_factor = gamma_factor
+        self.fit_intercept = fit_intercept
+        self.tol = tol
+        self.max_iter = max_iter
+        self.random_state = random_state
+
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+        max_iter = at_least("max_iter", self.max_iter, 1)
+        solver = LinearSVC(
+            penalty="l1",
+            loss="squared_hinge",
+            dual=False,
+            C=in_range("C", self.C, 0.0, math.inf, open_low=True, open_high=True),
+            fit_intercept=bool(self.fit_intercept),
+            tol=in_range("tol", self.tol, 0.0, math.inf, open_low=True, open_high=True),
+            max_iter=max_iter,
+            random_state=int(generator(seed_sequence(self.random_state)).integers(2**31)),
+        )
+        gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
+        with warnings.catch_warnings():
+            # Said by `converged_` instead.
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            # In lexical order, so that the order of bags and instances does not matter.
+            instances = np.unique(bags.points, axis=0)
+            solver.fit(nearness(bags, instances, gamma), positive)
+        weights = solver.coef_[0]
+        used = weights != 0.0
+        self.prototypes_, self.coef_ = instances[used], weights[used]
+        self.intercept_, self.gamma_ = float(np.ravel(solver.intercept_)[0]), gamma
+        self.n_iter_ = int(solver.n_iter_)
+        self.converged_ = self.n_iter_ < max_iter
+
+    def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
+        """Value of the linear machine, whose margins are at -1 and 1."""
+        if not len(self.prototypes_):
+            return np.full(len(bags), self.intercept_)
+        scores: NDArray[np.float64] = (
+            nearness(bags, self.prototypes_, self.gamma_) @ self.coef_ + self.intercept_
+        )
+        return scores
+
+
+def nearness(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
+    """Return ``max_j exp(-gamma |x_j - p|^2)`` for every bag and prototype p, (n_bags, n_prototypes).
+
+    Parameters
+    ----------
+    bags : Bags
+        Whose instances are the x_j.
+    prototypes : (n_prototypes, d) array
+        At least one.
+    gamma : float
+        Coefficient of squared distances.
+    """
+    # Near the origin squared distances lose fewer digits.
+    center = prototypes.mean(axis=0)
+    points, prototypes = bags.points - center, prototypes - center
+    values = np.empty((len(bags), len(prototypes)))
+    step = max(1, _BLOCK // len(points))
+    for first in range(0, len(prototypes), step):
+        block = slice(first, first + step)
+        values[:, block] = np.minimum.reduceat(squared_distances(points, prototypes[block]), bags.starts[:-1])
+    # A product too large for a number leads to the right feature, 0.
+    with np.errstate(over="ignore"):
+        values *= -gamma
+    return np.exp(values, out=values)

@@ -1,0 +1,235 @@
+"""The three steps of iterated discrimination: grow a box, select its features, expand its bounds.
+
+A box needs at least one instance of each positive bag inside and should keep the instances of negative bags
+out.
+
+Dimensions: n points in n_bags positive bags, m points of negative bags, d features.
+
+References
+----------
+Dietterich, Lathrop and Lozano-Perez (1997), "Solving the multiple instance problem with axis-parallel
+rectangles", Artificial Intelligence 89.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from relforest.support.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_REAL_GAIN: Final = 1.0 - 1e-12
+_BISECTIONS: Final = 50
+
+
+@kernel
+def grow(points: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Choose one point of each bag so that the box around the chosen ones is small.
+
+    The size of a box is the sum of its widths. Beginning with a seed, the point that enlarges the box least
+    is added, of the bags not yet represented; after each addition all choices are reconsidered in turn, each
+    with the others fixed, until none changes (backfitting).
+
+    Parameters
+    ----------
+    points : ndarray (n, d)
+    starts : ndarray (n_bags + 1,)
+        First point of each bag; none is empty.
+
+    Returns
+    -------
+    int64 ndarray (n_bags,)
+        Row of the chosen point of each bag.
+    """
+    n_bags = len(starts) - 1
+    chosen = np.full(n_bags, -1)
+    seed = _seed(points, starts)
+    chosen[np.searchsorted(starts, seed, side="right") - 1] = seed
+    for _ in range(n_bags - 1):
+        box = _box_around(points, chosen, -1)
+        least, added, to_bag = np.inf, -1, -1
+        for bag in range(n_bags):
+            if chosen[bag] < 0:
+                row, growth = _least_growth(points, starts[bag], starts[bag + 1], box)
+                if growth < least:
+                    least, added, to_bag = growth, row, bag
+        chosen[to_bag] = added
+        _backfit(points, starts, chosen)
+    return chosen
+
+
+@kernel
+def _seed(points: NDArray[np.float64], starts: NDArray[np.int64]) -> int:
+    """Row of the point nearest to the centre of the minimax box.
+
+    Along each feature, that box reaches from the least maximum of a bag to the greatest minimum: it is the
+    smallest interval that holds, or touches, a value of each bag.
+    """
+    centre = np.empty(points.shape[1])
+    for k in range(len(centre)):
+        least_maximum, greatest_minimum = np.inf, -np.inf
+        for bag in range(len(starts) - 1):
+            values = points[starts[bag] : starts[bag + 1], k]
+            least_maximum = min(least_maximum, values.max())
+            greatest_minimum = max(greatest_minimum, values.min())
+        centre[k] = 0.5 * (least_maximum + greatest_minimum)
+    nearest, row = np.inf, 0
+    for i in range(len(points)):
+        distance = np.sum((points[i] - centre) ** 2)
+        if distance < nearest:
+            nearest, row = distance, i
+    return row
+
+
+@kernel
+def _box_around(points: NDArray[np.float64], chosen: NDArray[np.int64], but: int) -> NDArray[np.float64]:
+    """Lower and upper bounds (2, d) of the chosen points, without that of the bag `but`."""
+    box = np.empty((2, points.shape[1]))
+    box[0], box[1] = np.inf, -np.inf
+    for bag in range(len(chosen)):
+        if chosen[bag] >= 0 and bag != but:
+            box[0] = np.minimum(box[0], points[chosen[bag]])
+            box[1] = np.maximum(box[1], points[chosen[bag]])
+    return box
+
+
+@kernel
+def _growth(point: NDArray[np.float64], box: NDArray[np.float64]) -> float:
+    """By how much the box must grow to hold a point (d,)."""
+    growth = 0.0
+    for k in range(len(point)):
+        growth += max(box[0, k] - point[k], point[k] - box[1, k], 0.0)
+    return growth
+
+
+@kernel
+def _least_growth(
+    points: NDArray[np.float64], first: int, behind: int, box: NDArray[np.float64]
+) -> tuple[int, float]:
+    """Which of the points first, ..., behind - 1 enlarges the box least, the first one of equals, and how."""
+    best, least = first, np.inf
+    for row in range(first, behind):
+        growth = _growth(points[row], box)
+        if growth < least:
+            best, least = row, growth
+    return best, least
+
+
+@kernel
+def _backfit(points: NDArray[np.float64], starts: NDArray[np.int64], chosen: NDArray[np.int64]) -> None:
+    """Exchange chosen points, in place, for others of their bags while that makes the box smaller."""
+    if np.sum(chosen >= 0) < 2:
+        return
+    changed = True
+    while changed:
+        changed = False
+        for bag in range(len(chosen)):
+            if chosen[bag] < 0 or starts[bag + 1] - starts[bag] == 1:
+                continue
+            box = _box_around(points, chosen, bag)
+            row, growth = _least_growth(points, starts[bag], starts[bag + 1], box)
+            # Rounding must not make two equal boxes change places for ever.
+            if growth < _growth(points[chosen[bag]], box) * _REAL_GAIN:
+                chosen[bag], changed = row, True
+
+
+def discriminating(
+    negatives: NDArray[np.float64], box: NDArray[np.float64], margin: float
+) -> NDArray[np.bool_]:
+    """Select features that together keep the points of negative bags out of the box.
+
+    A feature excludes a point that lies outside the box by more than the margin along it; a point that no
+    feature excludes so clearly is excluded by the one along which it lies farthest outside. The feature that
+    excludes most points is selected, these points are struck off, and so on. Points inside the box are of
+    no account.
+
+    Parameters
+    ----------
+    negatives : ndarray (m, d)
+    box : ndarray (2, d)
+        Lower and upper bounds.
+    margin : float
+
+    Returns
+    -------
+    bool ndarray (d,)
+        All False if all points lie inside.
+    """
+    excluded = _exclusions(negatives, box, margin)
+    excluded = excluded[excluded.any(axis=1)]
+    selected = np.zeros(negatives.shape[1], dtype=np.bool_)
+    counts = excluded.sum(axis=0)
+    while len(excluded):
+        feature = int(counts.argmax())
+        selected[feature] = True
+        struck = excluded[:, feature]
+        counts = counts - excluded[struck].sum(axis=0)
+        excluded = excluded[~struck]
+    return selected
+
+
+@kernel
+def _exclusions(negatives: NDArray[np.float64], box: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
+    """Which features exclude which points, (m, d)."""
+    excluded = np.zeros(negatives.shape, dtype=np.bool_)
+    for i in range(len(negatives)):
+        farthest, along = 0.0, -1
+        for k in range(negatives.shape[1]):
+            outside = max(box[0, k] - negatives[i, k], negatives[i, k] - box[1, k])
+            excluded[i, k] = outside > margin
+            if outside > farthest:
+                farthest, along = outside, k
+        if along >= 0 and farthest <= margin:
+            excluded[i, along] = True
+    return excluded
+
+
+def expansion(values: NDArray[np.float64], tau: float, epsilon: float) -> NDArray[np.float64]:
+    """How far the bounds of a box must move outwards so that new positive instances will probably lie inside.
+
+    Each feature is taken by itself. Its density is estimated from the chosen points with Gaussian kernels,
+    so wide that one in the middle of the interval between the least and the greatest value would have the
+    part `tau` of its mass inside. A bound moves to where the estimate leaves ``epsilon / 2`` beyond it, or
+    stays where less is beyond it already.
+
+    Parameters
+    ----------
+    values : ndarray (n_bags, d)
+        The chosen points.
+    tau, epsilon : float
+        Between 0 and 1.
+
+    Returns
+    -------
+    ndarray (2, d)
+        For the lower and the upper bounds, at least 0.
+    """
+    low, high = values.min(axis=0), values.max(axis=0)
+    widths = 0.5 * (high - low) / ndtri(0.5 * (1.0 + tau))
+    below = _quantile_beyond(low - values, widths, 0.5 * epsilon)
+    above = _quantile_beyond(values - high, widths, 0.5 * epsilon)
+    return np.stack([below, above])
+
+
+def _quantile_beyond(
+    offsets: NDArray[np.float64], widths: NDArray[np.float64], mass: float
+) -> NDArray[np.float64]:
+    """How far outside the bound no more than `mass` of the density is left, (d,), by bisection.
+
+    `offsets` (n_bags, d) are at most 0: the values minus the bound, counted outwards.
+    """
+    units = np.divide(offsets, widths, out=np.zeros_like(offsets), where=widths > 0.0)
+    low = np.zeros(len(widths))
+    # The estimate leaves less beyond a distance than a kernel at the bound itself does.
+    high = np.full(len(widths), -float(ndtri(mass)))
+    inside = ndtr(units).mean(axis=0) <= mass
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        enough = ndtr(units - middle).mean(axis=0) <= mass
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    return np.where(inside, 0.0, high * widths)

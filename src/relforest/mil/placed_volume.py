@@ -1,0 +1,179 @@
+"""Volumes with a place among the features, and how near a bag comes to them.
+
+Letters: n points, b bags, f coordinates, m balls, d features.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.mil.feature_view import FeatureView
+from relforest.volumes import Ellipsoid
+
+__all__ = ["Balls", "PlacedVolume", "bag_blocks", "bag_nearness", "nearness", "typical_squared_distance"]
+
+_LOG2: Final = float(np.log(2.0))
+# Points handled at a time where every point meets every ball.
+_BLOCK: Final = 2048
+
+
+def nearness(distances: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    """Return ``2 ** -(distance / radius) ** 2``: 1 at the centre, one half on the boundary."""
+    # A volume may have shrunk to a point.
+    ratio = distances / max(radius, np.finfo(np.float64).tiny ** 0.5)
+    near: NDArray[np.float64] = np.exp(-_LOG2 * np.minimum(ratio, 1e6) ** 2)
+    return near
+
+
+def bag_means(values: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Mean over the points of each bag, (b, ...), of values (n, ...) grouped from `starts` (b + 1,)."""
+    sums: NDArray[np.float64] = np.add.reduceat(values, starts[:-1], axis=0)
+    counts = np.diff(starts).reshape(-1, *[1] * (values.ndim - 1))
+    means: NDArray[np.float64] = sums / counts
+    return means
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedVolume:
+    """An ellipsoid, the features it looks at, and what its presence in a bag is worth.
+
+    Attributes
+    ----------
+    panel : str
+        The panel it belongs to.
+    view : FeatureView
+        The coordinates in which the ellipsoid is described; ``view.columns`` are the features.
+    ellipsoid : Ellipsoid
+        The volume.
+    seeks_positive : bool
+        Whether it was aggregated from positive bags; otherwise from negative ones.
+    weight : float
+        What is added to the score of a bag with an instance at the centre; half of that at the boundary.
+    """
+
+    panel: str
+    view: FeatureView
+    ellipsoid: Ellipsoid
+    seeks_positive: bool
+    weight: float
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """Centre in the units of the data, one value for each of ``view.columns``."""
+        values: NDArray[np.float64] = self.view.original(self.ellipsoid.mean[None])[0]
+        return values
+
+    def point_nearness(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Nearness of each point (n, d), (n,)."""
+        return self.nearness_at(self.view.coordinates(points))
+
+    def nearness_at(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Nearness of points given by their coordinates (n, f) in the view, (n,)."""
+        return nearness(self.ellipsoid.distance(coordinates), self.ellipsoid.radius)
+
+
+def bag_nearness(
+    volumes: Sequence[PlacedVolume], points: NDArray[np.float64], starts: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Nearness of the witness of each bag to each volume, (b, k), for points (n, d)."""
+    near = np.empty((len(starts) - 1, len(volumes)))
+    # Views with a rotation are few and dear; those of single features are many and cheap.
+    rotated: dict[int, NDArray[np.float64]] = {}
+    for number, volume in enumerate(volumes):
+        view = volume.view
+        if view.rotation is None:
+            coordinates = view.coordinates(points)
+        else:
+            if id(view) not in rotated:
+                rotated[id(view)] = view.coordinates(points)
+            coordinates = rotated[id(view)]
+        np.maximum.reduceat(volume.nearness_at(coordinates), starts[:-1], out=near[:, number])
+    return near
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Balls:
+    """Balls of one size around training instances, in a view without rotation.
+
+    Attributes
+    ----------
+    view : FeatureView
+        The scaled features.
+    centres : (m, f) float64 array
+        Centres, as coordinates of the view.
+    near_radius, share_radius : float
+        Radius for asking whether an instance is near, and for asking what share of them is.
+    near_weights, share_weights : (m,) float64 arrays
+        What is added to the score of a bag with an instance at the centre, and to that of one with all
+        instances there.
+    """
+
+    view: FeatureView
+    centres: NDArray[np.float64]
+    near_radius: float
+    share_radius: float
+    near_weights: NDArray[np.float64]
+    share_weights: NDArray[np.float64]
+
+    def point_nearness(
+        self, coordinates: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Nearness of points, by their coordinates (n, f), with either radius: two arrays (n, m)."""
+        squared = _squared_distances(coordinates, self.centres)
+        distances = np.sqrt(squared, out=squared)
+        return nearness(distances, self.near_radius), nearness(distances, self.share_radius)
+
+    def bag_nearness(
+        self, points: NDArray[np.float64], starts: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the nearness of the witness and the mean nearness for each bag: two arrays (b, m)."""
+        n_bags = len(starts) - 1
+        nearest, shares = np.empty((n_bags, len(self.centres))), np.empty((n_bags, len(self.centres)))
+        for first, last in bag_blocks(starts):
+            rows = slice(starts[first], starts[last])
+            near, share = self.point_nearness(self.view.coordinates(points[rows]))
+            within = starts[first : last + 1] - starts[first]
+            np.maximum.reduceat(near, within[:-1], axis=0, out=nearest[first:last])
+            shares[first:last] = bag_means(share, within)
+        return nearest, shares
+
+    def without_idle(self) -> Balls:
+        """Return the balls that have a weight."""
+        busy = np.flatnonzero((self.near_weights != 0.0) | (self.share_weights != 0.0))
+        return replace(
+            self,
+            centres=self.centres[busy],
+            near_weights=self.near_weights[busy],
+            share_weights=self.share_weights[busy],
+        )
+
+
+def bag_blocks(starts: NDArray[np.int64]) -> list[tuple[int, int]]:
+    """Ranges of bags, first and behind the last, with few points each unless a bag alone has more."""
+    blocks, first = [], 0
+    for bag in range(1, len(starts)):
+        if bag == len(starts) - 1 or starts[bag + 1] - starts[first] > _BLOCK:
+            blocks.append((first, bag))
+            first = bag
+    return blocks
+
+
+def typical_squared_distance(centres: NDArray[np.float64]) -> float:
+    """Median of the squared distances between centres (m, f); 1 where they coincide."""
+    median = float(np.median(_squared_distances(centres, centres)))
+    return median if median > 0.0 else 1.0
+
+
+def _squared_distances(points: NDArray[np.float64], centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    squared: NDArray[np.float64] = (
+        (points**2).sum(axis=1)[:, None] + (centres**2).sum(axis=1) - 2.0 * points @ centres.T
+    )
+    np.maximum(squared, 0.0, out=squared)
+    return squared

@@ -1,0 +1,171 @@
+"""Bringing the features of bags to comparable units, measured over all instances of all bags."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Self, final
+
+import numpy as np
+from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.utils.validation import check_is_fitted
+
+from relforest.scenes.bags import as_bags
+from relforest.support.errors import InputError
+from relforest.support.options import one_of
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+# Inside these bounds no square of a scaled value overflows.
+_LARGEST_VALUE: Final = 1e30
+_SMALLEST_WIDTH: Final = 1e-30
+_METHODS: Final = ("standard", "minmax", "deviation")
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class FeatureUnits:
+    """Where each feature lies and how wide it is.
+
+    Attributes
+    ----------
+    shift : ndarray (d,)
+        What to subtract.
+    width : ndarray (d,)
+        What to divide by; 0 for a constant feature, whose `shift` is then 0 as well.
+    """
+
+    shift: NDArray[np.float64]
+    width: NDArray[np.float64]
+
+    @property
+    def factors(self) -> NDArray[np.float64]:
+        """1 / width, and 0 for constant features, which thereby drop out of every distance; (d,)."""
+        return np.divide(1.0, self.width, out=np.zeros_like(self.width), where=self.width > 0.0)
+
+
+def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
+    """Measure the features of points.
+
+    Parameters
+    ----------
+    points : ndarray (n, d)
+    method : {"standard", "minmax", "deviation"}
+        Mean and standard deviation; minimum and range; zero and standard deviation. Deviations are those
+        of the population, with n in the denominator.
+
+    Raises
+    ------
+    InputError
+        If the method is unknown or a value is beyond 1e30.
+    """
+    one_of("method", method, _METHODS)
+    check_magnitude(points)
+    low = points.min(axis=0)
+    spread = points.max(axis=0) - low
+    if method == "minmax":
+        shift, width = low, spread
+    else:
+        shift = points.mean(axis=0) if method == "standard" else np.zeros_like(low)
+        width = points.std(axis=0)
+    # Judged by the range: rounding gives a constant feature a tiny deviation.
+    constant = (spread < _SMALLEST_WIDTH) | (width < _SMALLEST_WIDTH)
+    return FeatureUnits(np.where(constant, 0.0, shift), np.where(constant, 0.0, width))
+
+
+def check_magnitude(points: NDArray[np.float64]) -> None:
+    """Refuse values whose squares could overflow.
+
+    Raises
+    ------
+    InputError
+        If a value is beyond 1e30.
+    """
+    if max(points.max(initial=0.0), -points.min(initial=0.0)) > _LARGEST_VALUE:
+        raise InputError(f"bags hold values beyond {_LARGEST_VALUE:g}: use other units")
+
+
+@final
+class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+    """Scale every feature by what all instances of all training bags show.
+
+    Parameters
+    ----------
+    method : {"standard", "minmax", "deviation"}, default "standard"
+        "standard" subtracts the mean and divides by the standard deviation, "minmax" maps the range to
+        [0, 1], "deviation" only divides by the standard deviation. Constant features stay as they are.
+
+    Attributes
+    ----------
+    shift_ : ndarray (d,)
+        What is subtracted.
+    width_ : ndarray (d,)
+        What is divided by: 1 for constant features.
+    n_features_in_ : int
+        Dimension of the points.
+
+    Notes
+    -----
+    Bags come back in the form they were given in: as an array, as ``(X, bag_ids)``, or as a list of one
+    array per bag.
+
+    References
+    ----------
+    Palmer (2015), section 3.3, scales the features for diverse density and EM-DD by "deviation".
+
+    Examples
+    --------
+    >>> from relforest.mil.scaling import BagScaler
+    >>> bags = [[[0.0, 10.0], [4.0, 30.0]], [[2.0, 20.0]]]
+    >>> [bag.tolist() for bag in BagScaler(method="minmax").fit_transform(bags)]
+    [[[0.0, 0.0], [1.0, 1.0]], [[0.5, 0.5]]]
+    """
+
+    shift_: NDArray[np.float64]
+    width_: NDArray[np.float64]
+    n_features_in_: int
+
+    def __init__(self, *, method: str = "standard") -> None:
+        self.method = method
+
+    def fit(self, bags: object, y: ArrayLike | None = None) -> Self:
+        """Measure the features; labels are ignored.
+
+        Raises
+        ------
+        InputError
+            If bags are malformed, a value is beyond 1e30, or the method is unknown.
+        """
+        del y
+        data = as_bags(bags)
+        units = feature_units(data.points, self.method)
+        self.shift_ = units.shift
+        self.width_ = np.where(units.width > 0.0, units.width, 1.0)
+        self.n_features_in_ = data.dim
+        return self
+
+    def transform(self, bags: object) -> Any:  # noqa: ANN401  # the form of what was given
+        """Scaled bags, in the form of those given.
+
+        Raises
+        ------
+        InputError
+            If bags are malformed, a value is beyond 1e30, or they have another number of features.
+        """
+        check_is_fitted(self)
+        data = as_bags(bags)
+        if data.dim != self.n_features_in_:
+            raise InputError(
+                f"X has {data.dim} features, but {type(self).__name__} is expecting "
+                f"{self.n_features_in_} features as input"
+            )
+        check_magnitude(data.points)
+        if isinstance(bags, tuple) and len(bags) == 2 and np.ndim(bags[1]) < 2:
+            return self._scaled(bags[0]), bags[1]
+        if isinstance(bags, (list, tuple)) and np.ndim(bags[0]) == 2:
+            return [self._scaled(bag) for bag in bags]
+        return self._scaled(bags)
+
+    def _scaled(self, values: object) -> NDArray[np.float64]:
+        numbers: NDArray[np.float64] = np.asarray(values, dtype=np.float64)
+        return (numbers - self.shift_) / self.width_

@@ -1,0 +1,270 @@
+"""A committee of ellipsoidal volumes, for concepts that no single volume describes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from relforest.mil.bag_classifier import BagClassifier
+from relforest.mil.committee_training import (
+    PanelMember,
+    Training,
+    find_split_volumes,
+    split_bags,
+    train_panels,
+)
+from relforest.mil.feature_view import FeatureView, principal_view, scaled_view
+from relforest.mil.instance_influence import excess, lead
+from relforest.mil.panel_weights import panel_weights
+from relforest.mil.placed_volume import (
+    Balls,
+    PlacedVolume,
+    bag_blocks,
+    bag_nearness,
+    typical_squared_distance,
+)
+from relforest.mil.volume_panels import BALL_RULES, PANELS, VOLUME_PANELS
+from relforest.scenes.bags import Bags
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, one_of
+from relforest.support.parallel import one_blas_thread, run_tasks
+from relforest.support.rng import RandomState, generator, seed_sequence, stream
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_COMPONENTS, _BALLS, _SPLITS, _VOLUMES = range(4)
+
+
+@final
+class VolumeCommitteeClassifier(BagClassifier):
+    """Multiple-instance classifier that weighs the evidence of many ellipsoidal volumes.
+
+    A bag's nearness to a volume is ``2 ** -(D / r) ** 2`` for the Mahalanobis distance D of its witness and
+    the radius r: 1 at the centre, one half on the boundary. The score of a bag is an intercept plus the
+    weighted nearness to every volume. Volumes come from five panels: aggregated in random parts of the
+    features ("parts"), the same with fewer wanted bags, hence purer ("strict parts"), aggregated in the
+    principal components ("components"), and balls around training instances that ask whether an instance is
+    near ("near balls") or for the mean nearness of all instances ("ball shares"). Half of the aggregated
+    volumes are sought by negative bags. The bags are split in turn into some that volumes and weights are
+    learned from, and a rest on which the panels are compared; the more a panel is right there, the more it
+    counts.
+
+    Parameters
+    ----------
+    n_splits : int, default 5
+        Splits of the training bags, at most as many as there are bags of either class. With 1, nothing is
+        left out and all panels count the same.
+    n_volumes : int, default 30
+        Volumes of the "parts" panels in each split; half as many for "components".
+    part_size : int, default 8
+        Features that a volume of the "parts" panels sees.
+    n_components : int, default 20
+        Most principal components.
+    n_balls : int, default 1000
+        Most balls.
+    panels : sequence of str, default all five
+        The panels that take part.
+    random_state : int, SeedSequence, Generator or None, default None
+        Seed of all sampling; an integer makes `fit` repeatable.
+    n_jobs : int, default 1
+        Splits trained at the same time; -1 for all cores. The result does not depend on it.
+
+    Attributes
+    ----------
+    volumes_ : tuple of PlacedVolume
+        The aggregated volumes with their weights, the weightiest first.
+    balls_ : Balls
+        The balls and their weights.
+    intercept_ : float
+        Score of a bag that is near no volume.
+    panel_weights_ : dict of str to float
+        What each panel's score counts, after scaling it to unit standard deviation.
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    n_features_in_ : int
+        Dimension of the points.
+
+    Notes
+    -----
+    Both classes weigh the same wherever something is fitted, so a score of 0 means equal likelihoods,
+    whatever the class frequencies. Features are scaled to unit variance and constant ones ignored; the
+    units of the features do not matter. With fewer than two bags of a class nothing can be left out.
+
+    References
+    ----------
+    Palmer (2015), Algorithm 3.1, for the aggregation; Chen, Bi and Wang (2006), "MILES: multiple-instance
+    learning via embedded instance selection", for bags described by their nearness to instances; Gaertner et
+    al. (2002), "Multi-instance kernels", for mean nearness; Breiman (1996), "Stacked regressions", for
+    weights from bags left out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest.mil import VolumeCommitteeClassifier
+    >>> rng = np.random.default_rng(0)
+    >>> bags = rng.normal(size=(40, 3, 2))
+    >>> bags[:20, 0] = rng.choice([-4, 4], size=(20, 1)) + rng.normal(0, 0.3, size=(20, 2))
+    >>> model = VolumeCommitteeClassifier(random_state=0).fit(bags, [1] * 20 + [0] * 20)
+    >>> model.predict([[[4, 4], [0, 0]], [[-4, -4], [0, 0]], [[0, 0], [1, 0]]])
+    array([1, 1, 0])
+    """
+
+    def __init__(
+        self,
+        *,
+        n_splits: int = 5,
+        n_volumes: int = 30,
+        part_size: int = 8,
+        n_components: int = 20,
+        n_balls: int = 1000,
+        panels: Sequence[str] = PANELS,
+        random_state: RandomState = None,
+        n_jobs: int = 1,
+    ) -> None:
+        self.n_splits = n_splits
+        self.n_volumes = n_volumes
+        self.part_size = part_size
+        self.n_components = n_components
+        self.n_balls = n_balls
+        self.panels = panels
+        self.random_state = random_state
+        self.n_jobs = n_jobs
+
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+        panels = self._checked_panels()
+        seed = seed_sequence(self.random_state)
+        view = scaled_view(bags.points)
+        coordinates = view.coordinates(bags.points)
+        rng = generator(stream(seed, _BALLS))
+        n_balls = min(at_least("n_balls", self.n_balls, 1), len(coordinates))
+        rows = np.sort(rng.choice(len(coordinates), n_balls, replace=False))
+        balls = _unweighted_balls(view, coordinates[rows])
+        uses_balls = any(name in BALL_RULES for name in panels)
+        near = balls.bag_nearness(bags.points, bags.starts) if uses_balls else (np.empty((0, 0)),) * 2
+        training = Training(
+            self._shown(bags.points, view, panels, seed),
+            bags.points,
+            bags.starts,
+            positive,
+            np.searchsorted(bags.starts, rows, side="right") - 1,
+            dict(zip(BALL_RULES, near, strict=True)),
+            at_least("n_volumes", self.n_volumes, 1),
+            at_least("part_size", self.part_size, 1),
+        )
+        splits = split_bags(
+            positive, at_least("n_splits", self.n_splits, 1), generator(stream(seed, _SPLITS))
+        )
+        tasks = [
+            (training, panels, train, stream(seed, _VOLUMES, number))
+            for number, (train, _) in enumerate(splits)
+        ]
+        found = run_tasks(find_split_volumes, tasks, n_jobs=self.n_jobs, prefer="threads")
+        with one_blas_thread():
+            members = [
+                train_panels(training, panels, volumes, *split)
+                for volumes, split in zip(found, splits, strict=True)
+            ]
+        self._combine(panels, members, [test for _, test in splits], positive, balls)
+
+    def _checked_panels(self) -> tuple[str, ...]:
+        panels = tuple(self.panels) if isinstance(self.panels, (list, tuple)) else (self.panels,)
+        if not panels or len(set(panels)) < len(panels):
+            raise InputError(f"panels must name at least one panel, and none twice, got {self.panels!r}")
+        return tuple(one_of("each of panels", name, PANELS) for name in panels)
+
+    def _shown(
+        self,
+        points: NDArray[np.float64],
+        view: FeatureView,
+        panels: tuple[str, ...],
+        seed: np.random.SeedSequence,
+    ) -> dict[str, tuple[FeatureView, NDArray[np.float64]]]:
+        """Return the view of each volume panel, and the points in it."""
+        n_components = at_least("n_components", self.n_components, 1)
+        coordinates = view.coordinates(points)
+        shown = {name: (view, coordinates) for name in panels if name in VOLUME_PANELS}
+        rotated = [name for name in shown if VOLUME_PANELS[name].space == "components"]
+        if rotated:
+            turned = principal_view(view, coordinates, n_components, generator(stream(seed, _COMPONENTS)))
+            shown |= dict.fromkeys(rotated, (turned, turned.coordinates(points)))
+        return shown
+
+    def _combine(
+        self,
+        panels: tuple[str, ...],
+        members: list[list[PanelMember]],
+        tested: list[NDArray[np.int64]],
+        positive: NDArray[np.bool_],
+        balls: Balls,
+    ) -> None:
+        scores = np.empty((len(positive), len(panels)))
+        for split, bags in zip(members, tested, strict=True):
+            scores[bags] = np.column_stack([member.scores for member in split])
+        spread = scores.std(axis=0)
+        spread[spread == 0.0] = 1.0
+        if len(members) > 1:
+            weights, intercept = panel_weights(scores, positive)
+        else:
+            weights, intercept = 1.0 / (len(panels) * spread), 0.0
+        near = {name: np.zeros(len(balls.centres)) for name in BALL_RULES}
+        volumes: list[PlacedVolume] = []
+        for split in members:
+            for name, weight, member in zip(panels, weights / len(members), split, strict=True):
+                intercept += weight * member.rule.intercept
+                if name in near:
+                    near[name][member.balls] += weight * member.rule.coefficients
+                else:
+                    worth = weight * member.rule.coefficients
+                    volumes += [
+                        replace(volume, weight=float(value))
+                        for volume, value in zip(member.volumes, worth, strict=True)
+                    ]
+        self.volumes_ = tuple(sorted(volumes, key=lambda volume: -abs(volume.weight)))
+        self.balls_ = replace(
+            balls, near_weights=near["near balls"], share_weights=near["ball shares"]
+        ).without_idle()
+        self.intercept_ = float(intercept)
+        self.panel_weights_ = dict(zip(panels, (weights * spread).tolist(), strict=True))
+
+    def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
+        scores = np.full(len(bags), self.intercept_)
+        if self.volumes_:
+            weights = np.array([volume.weight for volume in self.volumes_])
+            scores += bag_nearness(self.volumes_, bags.points, bags.starts) @ weights
+        if len(self.balls_.centres):
+            nearest, shares = self.balls_.bag_nearness(bags.points, bags.starts)
+            scores += nearest @ self.balls_.near_weights + shares @ self.balls_.share_weights
+        return scores
+
+    def influences(self, bags: object) -> list[NDArray[np.float64]]:
+        """How much each instance adds to the score of its bag: one array per bag, in the bag's order.
+
+        It is what the score would lose without the instance; for the only instance of a bag, the score less
+        the intercept.
+        """
+        data = self._checked(bags)
+        influence = np.zeros(len(data.points))
+        for volume in self.volumes_:
+            if volume.weight != 0.0:
+                near = volume.point_nearness(data.points)
+                influence += volume.weight * lead(near[:, None], data.starts)[:, 0]
+        for first, last in bag_blocks(data.starts) if len(self.balls_.centres) else []:
+            rows = slice(data.starts[first], data.starts[last])
+            within = data.starts[first : last + 1] - data.starts[first]
+            near, share = self.balls_.point_nearness(self.balls_.view.coordinates(data.points[rows]))
+            influence[rows] += lead(near, within) @ self.balls_.near_weights
+            influence[rows] += excess(share @ self.balls_.share_weights, within)
+        ordered = np.empty(len(data.points))
+        ordered[data.starts[:-1].repeat(data.counts) + data.order] = influence
+        return np.split(ordered, data.starts[1:-1])
+
+
+def _unweighted_balls(view: FeatureView, centres: NDArray[np.float64]) -> Balls:
+    # exp(-d^2 / s) = 2 ** -(d / r)^2 for r^2 = s ln 2.
+    squared = np.log(2.0) * typical_squared_distance(centres)
+    none = np.zeros(len(centres))
+    return Balls(view, centres, float(np.sqrt(squared)), float(np.sqrt(squared / 2.0)), none, none)

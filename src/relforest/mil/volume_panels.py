@@ -1,0 +1,181 @@
+"""Panels of a committee of volumes: how their volumes are found and what each is worth.
+
+A panel is a set of volumes found in one way, together with a linear rule that says how much the nearness of a
+bag to each of them counts. Letters: b bags, k volumes of a panel.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.linear_model import LogisticRegression
+from sklearn.svm import LinearSVC
+
+from relforest.mil.feature_view import FeatureView
+from relforest.mil.placed_volume import PlacedVolume
+from relforest.volumes import CovAggSettings, Ellipsoid, aggregate
+
+__all__ = ["BALL_RULES", "PANELS", "VOLUME_PANELS", "Rule", "VolumePanel", "find_volumes", "volume_rule"]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class VolumePanel:
+    """How the aggregated volumes of a panel are found.
+
+    Parameters
+    ----------
+    space : {"parts", "components"}
+        Whether each volume lives in a random part of the features, or all in the principal components.
+    share : float
+        Volumes found in this way per volume of the "parts" panel; components cost more.
+    least_ratio : float
+        The bags that a volume is to hold may be outnumbered by the others down to this ratio.
+    conditions : tuple of float
+        Condition numbers c of eq. 3.6 to choose from.
+    """
+
+    space: Literal["parts", "components"]
+    share: float
+    least_ratio: float
+    conditions: tuple[float, ...]
+
+
+VOLUME_PANELS: Final[Mapping[str, VolumePanel]] = MappingProxyType(
+    {
+        "parts": VolumePanel("parts", 1.0, 1.0, (10.0, 1000.0)),
+        "strict parts": VolumePanel("parts", 1.0, 0.25, (10.0, 1000.0)),
+        "components": VolumePanel("components", 0.5, 1.0, (3.0, 30.0)),
+    }
+)
+PANELS: Final = (*VOLUME_PANELS, "near balls", "ball shares")
+# Every volume leaves some bags out, so that no two are grown from the same ones.
+_SAMPLED: Final = 0.9
+_RESTARTS: Final = 2
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Rule:
+    """A linear rule for the nearness (b, k) of bags to the volumes of a panel."""
+
+    coefficients: NDArray[np.float64]
+    intercept: float
+
+    def scores(self, near: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Score of each bag, (b,)."""
+        scores: NDArray[np.float64] = near @ self.coefficients + self.intercept
+        return scores
+
+
+def find_volumes(
+    panel: str,
+    view: FeatureView,
+    bags: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]],
+    *,
+    n_volumes: int,
+    part_size: int,
+    rng: np.random.Generator,
+) -> list[PlacedVolume]:
+    """Aggregate the volumes of a panel, alternately from positive and from negative bags.
+
+    Parameters
+    ----------
+    panel : str
+        A key of `VOLUME_PANELS`.
+    view : FeatureView
+        Coordinates that the volumes, or the parts that they see, are taken from.
+    bags : (coordinates (n, f), starts (b + 1,), positive (b,))
+        The training points in that view.
+    n_volumes, part_size : int
+        Volumes of the "parts" panel, and the number of features that each of them sees.
+    rng : Generator
+        Source of the sampled bags and features.
+
+    Returns
+    -------
+    list of PlacedVolume
+        With a weight of 0.
+    """
+    plan = VOLUME_PANELS[panel]
+    coordinates, starts, positive = bags
+    found = []
+    for number in range(max(1, round(plan.share * n_volumes))):
+        wanted = positive if number % 2 == 0 else ~positive
+        sampled = _sample_bags(wanted, plan.least_ratio, rng)
+        features, part = np.arange(view.dim), view
+        if plan.space == "parts" and part_size < view.dim:
+            features = np.sort(rng.choice(view.dim, part_size, replace=False))
+            part = view.part(features)
+        settings = CovAggSettings(max_condition=float(rng.choice(plan.conditions)), restarts=_RESTARTS)
+        rows, sample_starts = rows_of(starts, sampled)
+        points = np.ascontiguousarray(coordinates[np.ix_(rows, features)])
+        result = aggregate(points, sample_starts, wanted[sampled], rng=rng, settings=settings)
+        if result is None or not isinstance(result.volume, Ellipsoid):
+            msg = "no volume was found although both classes are present; please report this"
+            raise AssertionError(msg)
+        found.append(PlacedVolume(panel, part, result.volume, number % 2 == 0, 0.0))
+    return found
+
+
+def rows_of(
+    starts: NDArray[np.int64], chosen: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of the points of chosen bags, bag after bag, and where these bags start among them."""
+    counts = np.diff(starts)[chosen]
+    new_starts = np.concatenate([[0], np.cumsum(counts)])
+    rows = np.arange(new_starts[-1]) + np.repeat(starts[chosen] - new_starts[:-1], counts)
+    return rows, new_starts
+
+
+def volume_rule(near: NDArray[np.float64], positive: NDArray[np.bool_], *, penalty: float = 1.0) -> Rule:
+    """Logistic regression on the nearness (b, k), with classes of equal weight."""
+    model = LogisticRegression(C=penalty, class_weight="balanced", max_iter=2000)
+    return _fitted(model, near, positive)
+
+
+def _near_ball_rule(near: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rule:
+    """Select few balls, as MILES does: squared hinge loss with an L1 penalty."""
+    model = LinearSVC(penalty="l1", dual=False, class_weight="balanced", max_iter=3000, random_state=0)
+    return _fitted(model, near, positive)
+
+
+def _share_rule(shares: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rule:
+    return volume_rule(shares, positive, penalty=100.0)
+
+
+BALL_RULES: Final[Mapping[str, Callable[[NDArray[np.float64], NDArray[np.bool_]], Rule]]] = MappingProxyType(
+    {"near balls": _near_ball_rule, "ball shares": _share_rule}
+)
+
+
+def _fitted(
+    model: LogisticRegression | LinearSVC, near: NDArray[np.float64], positive: NDArray[np.bool_]
+) -> Rule:
+    with warnings.catch_warnings():
+        # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
+        # Not for threads, which share one list of filters.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        model.fit(near, positive)
+    return Rule(model.coef_[0].astype(np.float64), float(model.intercept_[0]))
+
+
+def _sample_bags(
+    wanted: NDArray[np.bool_], least_ratio: float, rng: np.random.Generator
+) -> NDArray[np.int64]:
+    """Sample bags of both classes: equally many, or fewer wanted ones down to a random ratio."""
+    inside, outside = np.flatnonzero(wanted), np.flatnonzero(~wanted)
+    ratio = float(np.exp(rng.uniform(np.log(least_ratio), 0.0)))
+    n_outside = max(1, int(_SAMPLED * min(len(outside), len(inside) / ratio)))
+    n_inside = min(len(inside), max(1, int(ratio * n_outside)))
+    chosen = [
+        rng.choice(group, size, replace=False) for group, size in ((inside, n_inside), (outside, n_outside))
+    ]
+    return np.sort(np.concatenate(chosen))

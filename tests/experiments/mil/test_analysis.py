@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from experiments.mil.results import around, rows
+from relforest.experiments.mil.analysis import summarize
+from relforest.experiments.table import Table
+
+TABLE = Table.of(
+    [
+        *rows("covariant1", "covagg", pss=around(0.75), seconds=0.01),
+        *rows("covariant1", "optimal-ball", pss=around(0.45), seconds=0.02),
+        *rows("covariant1", "miles", pss=around(0.41), seconds=0.5),
+        *rows("covariant1", "miles-tuned", pss=around(0.70), chosen=(100.0, 0.25)),
+        *rows("thioredoxin", "covagg", pss=around(0.2), seconds=2.5),
+        *rows("thioredoxin", "optimal-ball", pss=[None]),
+    ]
+)
+
+
+def test_every_table_has_ours_and_the_sources_numbers() -> None:
+    lines = summarize(TABLE).text.splitlines()
+
+    def cells(begin: str, count: int = 2) -> list[str]:
+        at = lines.index(begin)
+        return [" ".join(line.split()) for line in lines[at + 2 : at + 2 + count]]
+
+    # Half widths: 2.2622 * .1054 / sqrt 10 = .0754
+    scores = next(line for line in lines if line.startswith("> and <:"))
+    assert cells(scores, 4) == [
+        "Covariant 1 0.75 +- 0.08 > 0.45 +- 0.08 > 0.41 +- 0.08",
+        "source 0.76 +- 0.02 > 0.46 +- 0.02 > 0.24 +- 0.03",
+        "Thioredoxin 0.20 +- 0.08 -",
+        "source 0.13 +- 0.14 0.30 +- 0.21 0.00",
+    ]
+    assert cells("Mean Peirce skill score, parameters tuned on separate draws") == [
+        "Covariant 1 0.70 +- 0.08",
+        "source 0.73 +- 0.02",
+    ]
+    assert cells("Tuned parameters: C, factor of the heuristic gamma", 1) == ["Covariant 1 100, 0.25"]
+    assert cells("CPU time in that of OptBall", 1) == ["Covariant 1 0.50 1.00 25.0"]
+    assert cells("Mean over the data sets of mean Peirce skill scores", 2) == [
+        "CovAgg 2 0 0.475 0.475",
+        "OptBall 2 1 0.225 0.450",
+    ]
+    seconds = next(line for line in lines if line.startswith("Mean CPU seconds"))
+    assert cells(seconds, 2) == [
+        "Covariant 1 0.010 < 0.020 < 0.50",
+        "source 0.57 +- 0.02 < 0.92 +- 0.01 > 0.15 +- 0.00",
+    ]
+
+
+def test_the_tables_are_written_as_markdown_too() -> None:
+    findings = summarize(TABLE)
+    (name,) = findings.documents
+
+    assert name == "tables.md"
+    assert (
+        "| Covariant 1 | 0.75 \u00b1 0.08 | > 0.45 \u00b1 0.08 | > 0.41 \u00b1 0.08 |"
+        in findings.documents[name]
+    )
+    assert findings.claims
+
+
+def test_one_cell_is_enough() -> None:
+    assert "Musk 1" in summarize(Table.of(rows("musk1", "miles", pss=[0.5, 0.6]))).text
+    assert "Musk 1" in summarize(Table.of(rows("musk1", "miles", pss=[None]))).text
+    assert "Color" in summarize(Table.of(rows("color", "miles-tuned", pss=[0.5, 0.6]))).text

@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import pytest
+
+from experiments.mil.results import around, results_of, rows
+from relforest.experiments.claims import Claim
+from relforest.experiments.mil import bounds
+from relforest.experiments.mil.bounds import claims, exceptions
+from relforest.experiments.mil.cells import Results
+from relforest.experiments.mil.data import DATA_SETS
+from relforest.experiments.mil.methods import IMPROVED, METHODS, PEERS
+from relforest.experiments.mil.settings import EXPLAINED, REPRODUCED
+from relforest.metrics import Moments, two_sample_p_value
+
+
+def found(results: Results, part: str) -> list[Claim]:
+    return [claim for claim in claims(results, 300.0) if part in claim.name]
+
+
+def test_scores_are_tested_against_the_sources() -> None:
+    near = results_of(rows("covariant1", "covagg", pss=around(0.76)))
+    above = results_of(rows("covariant1", "covagg", pss=around(0.95)))
+    (same,), (other,) = (found(results, "not significantly different") for results in (near, above))
+
+    assert same.measured == pytest.approx(1.0)
+    # The source: .76 +- .02 of 100 draws, t(.975; 99) = 1.98422, so the deviation is .2 / 1.98422 = .1008.
+    expected = two_sample_p_value(Moments.of(around(0.95)), Moments(0.76, 0.1008, 100))
+    assert other.measured == pytest.approx(expected, rel=1e-2)
+    assert (same.is_met, other.is_met) == (True, False)
+
+
+def test_standard_sets_may_be_better_but_not_worse() -> None:
+    # The source: .17 +- .14 of 10 folds, deviation .14 * sqrt 10 / 2.26216 = .1957; ours .1054.
+    # Error of the difference: sqrt((.1957^2 + .1054^2) / 10) = .0703. -.2: t = 5.3; -.1: t = 1.0.
+    for mean, is_met in ((0.6, True), (0.07, True), (-0.2, False)):
+        (claim,) = found(results_of(rows("tiger", "covagg", pss=around(mean))), "not significantly below")
+        assert claim.is_met == is_met
+    (claim,) = found(results_of(rows("tiger", "covagg", pss=around(0.6))), "not significantly below")
+    assert claim.measured == 1.0
+
+
+def test_color_is_compared_with_nothing() -> None:
+    results = results_of(rows("color", "covagg", pss=around(0.2)), rows("color", "em-dd", pss=around(0.2)))
+
+    assert [claim.name for claim in claims(results, 300.0) if "source" in claim.name] == []
+
+
+def test_peers_are_near_the_source_or_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bounds, "EXPLAINED", {("covariant1", "miles"): "another implementation"})
+    results = results_of(
+        rows("covariant2", "optimal-ball", pss=around(0.2)),
+        rows("covariant2", "dd", pss=around(0.2)),
+        rows("covariant2", "em-dd", pss=[None]),
+        rows("covariant2", "apr", pss=around(0.9)),
+        rows("covariant1", "miles", pss=around(0.41)),
+        rows("disjunctive", "miles", pss=around(0.40)),
+    )
+    verdicts = {claim.name: claim.is_met for claim in found(results, "difference from the source")}
+
+    assert verdicts == {
+        "Covariant 2, OptBall: difference from the source": True,  # .20 - .13
+        "Covariant 2, DD: difference from the source": False,  # .20 - .06
+        "Covariant 2, EM-DD: difference from the source": False,
+        "Disjunctive, MILES: difference from the source": True,  # .40 - .47
+    }
+    (line,) = exceptions(results)
+    assert line.startswith("Covariant 1, MILES: 0.41, source 0.24 (+0.17): another implementation")
+
+
+def test_the_fastest_of_the_slow_peers_counts() -> None:
+    results = results_of(
+        rows("musk2", "covagg", pss=[0.5, 0.5], seconds=[4.0, 6.0]),
+        rows("musk2", "dd", pss=[None]),
+        rows("musk2", "em-dd", pss=[0.5, 0.5], seconds=20.0),
+        rows("musk2", "optimal-ball", pss=[0.5, 0.5], seconds=0.1),
+        rows("elephant", "covagg", pss=[0.5, 0.5], seconds=5.0),
+        rows("elephant", "dd", pss=[0.5, 0.5], seconds=1.0),
+    )
+    (ratio,), (longest,) = found(results, "fastest of"), found(results, "longest fold")
+
+    assert ratio.name == "Musk 2: CPU time of the fastest of DD, EM-DD in CovAgg's"
+    assert (ratio.measured, ratio.low) == (4.0, 1.0)
+    assert (longest.measured, longest.high) == (6.0, 10.0)
+
+
+def test_a_stopped_peer_needed_the_limit_at_least() -> None:
+    results = results_of(
+        rows("musk2", "covagg", pss=[0.5, 0.5], seconds=3.0), rows("musk2", "dd", pss=[None])
+    )
+
+    assert [claim.measured for claim in found(results, "fastest of")] == [100.0]
+
+
+def test_covagg_itself_must_not_be_stopped() -> None:
+    results = results_of(
+        rows("musk2", "covagg", pss=[0.5, None]), rows("musk2", "dd", pss=[0.5, 0.5], seconds=1.0)
+    )
+
+    assert len(list(claims(results, 300.0))) == 3
+    assert not any(claim.is_met for claim in claims(results, 300.0))
+
+
+def test_the_lead_is_claimed_over_all_data_sets_or_not_at_all() -> None:
+    parts = [rows(name, IMPROVED, pss=[0.5, 0.5]) for name in DATA_SETS]
+    parts += [rows(name, "dd", pss=[0.3, 0.3]) for name in DATA_SETS]
+    parts += [rows(name, "apr", pss=[0.45, 0.45] if name != "fox" else [None]) for name in DATA_SETS]
+    (lead,) = found(results_of(*parts), "lead")
+
+    assert lead.name == f"lead of {METHODS[IMPROVED].title} in the mean score of 13 data sets, over APR"
+    assert lead.measured == pytest.approx(0.05)
+    assert found(results_of(*parts[1:]), "lead") == []
+    assert {"dd", "apr"} <= set(PEERS)
+
+
+def test_memory_is_that_of_the_largest() -> None:
+    results = results_of(
+        rows("thioredoxin", "dd", pss=[None], peak=300_000_000),
+        rows("thioredoxin", "apr", pss=[0.1, 0.1], peak=1_200_000_000),
+        rows("musk1", "apr", pss=[0.1, 0.1], peak=2_000_000_000),
+    )
+    (claim,) = found(results, "memory")
+
+    assert (claim.name, claim.measured, claim.high) == (
+        "Thioredoxin: largest memory, MB (APR)",
+        1200.0,
+        1000.0,
+    )
+
+
+def test_every_explanation_is_of_a_peer_that_would_be_compared() -> None:
+    assert all(data_set in REPRODUCED and method in PEERS for data_set, method in EXPLAINED)

@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from experiments.mil.fakes import DRAWN, FIXED
+from relforest.datasets import BagSet
+from relforest.experiments.mil.data import (
+    DATA_SETS,
+    N_FOLDS,
+    Standard,
+    Synthetic,
+    splitter,
+    stratified_parts,
+    tuning_splits,
+    why_unreadable,
+)
+from relforest.support.errors import DataError
+
+
+def values(data: BagSet) -> list[float]:
+    return np.concatenate(data.bags).ravel().tolist()
+
+
+@given(
+    labels=st.lists(st.booleans(), min_size=1, max_size=60),
+    n_parts=st.integers(1, 12),
+    seed=st.integers(0, 1000),
+)
+def test_parts_are_equal_in_size_and_in_positives(labels: list[bool], n_parts: int, seed: int) -> None:
+    positive = np.array(labels)
+    parts = stratified_parts(positive, n_parts, np.random.default_rng(seed))
+
+    for of_class in (parts, parts[positive], parts[~positive]):
+        counts = np.bincount(of_class, minlength=n_parts)
+        assert len(counts) == n_parts
+        assert counts.max() - counts.min() <= 1
+
+
+def test_every_bag_of_a_standard_set_is_tested_once() -> None:
+    split_of = splitter(FIXED, seed=3, n_bags=0)
+    splits = [split_of(fold) for fold in range(N_FOLDS)]
+    whole = FIXED.fetch()
+
+    tested = [first for split in splits for first in (bag[0, 0] for bag in split.test.bags)]
+    assert sorted(tested) == sorted(float(bag[0, 0]) for bag in whole.bags)
+    for split in splits:
+        assert len(split.train.bags) + len(split.test.bags) == 23
+        # A fold of 2 or 3 of these 12 positive and 11 negative bags.
+        assert 0 < split.test.labels.sum() < len(split.test.labels)
+        assert not set(values(split.train)) & set(values(split.test))
+
+
+@pytest.mark.parametrize("data_set", [DRAWN, FIXED])
+def test_folds_depend_on_the_seed_and_their_number_alone(data_set: Synthetic | Standard) -> None:
+    split_of, again = (splitter(data_set, seed=1, n_bags=6) for _ in range(2))
+
+    assert values(again(2).test) == values(split_of(2).test)
+    assert values(split_of(1).test) != values(split_of(2).test)
+    assert values(splitter(data_set, seed=2, n_bags=6)(2).test) != values(split_of(2).test)
+
+
+def test_tuning_uses_draws_of_its_own() -> None:
+    split_of = splitter(DRAWN, seed=1, n_bags=6)
+    tuning = tuning_splits(DRAWN, seed=1, n_bags=6, count=2)
+
+    used = [part for split in tuning for part in (split.train, split.test)]
+    scored = [part for fold in range(2) for part in (split_of(fold).train, split_of(fold).test)]
+    assert len({tuple(values(part)) for part in used + scored}) == 8
+
+
+def test_synthetic_sets_are_those_of_the_source() -> None:
+    found = {}
+    for name, data_set in DATA_SETS.items():
+        if isinstance(data_set, Synthetic):
+            train = splitter(data_set, seed=0, n_bags=10)(0).train
+            assert train.labels.sum() == 5
+            found[name] = (len(train.bags[0]), train.bags[0].shape[1])
+
+    # Table 3.1: bag size and dimensions
+    assert found == {"color": (5, 3), "covariant1": (3, 2), "covariant2": (3, 2), "disjunctive": (10, 2)}
+
+
+def test_streams_of_data_sets_are_their_own() -> None:
+    assert len({data_set.key for data_set in DATA_SETS.values()}) == len(DATA_SETS) == 13
+
+
+def test_what_cannot_be_read_is_told() -> None:
+    def fetch() -> BagSet:
+        raise DataError("no file: get it")
+
+    assert why_unreadable(Standard("Lost", 99, fetch)) == "no file: get it"
+    assert why_unreadable(FIXED) is None
+    assert why_unreadable(DRAWN) is None

@@ -1,0 +1,51 @@
+"""From bags to the space of a search, and back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from relforest.mil.peers.hypotheses import Hypothesis, search_space
+from relforest.scenes import as_bags
+
+# Feature 0: mean 3, deviation 2; feature 1 is constant.
+BAGS = as_bags([[[1.0, 7.0], [5.0, 7.0]], [[1.0, 7.0]], [[5.0, 7.0]]])
+POSITIVE = np.array([True, True, False])
+
+
+def test_features_are_divided_by_their_deviations() -> None:
+    search = search_space(BAGS, POSITIVE, scale=True)
+
+    assert search.sample.points.tolist() == [[-1, 0], [1, 0], [-1, 0], [1, 0]]
+    assert search.sample.columns.tolist() == [[-1, 1, -1, 1], [0, 0, 0, 0]]
+    assert search.factors.tolist() == [0.5, 0]
+
+
+def test_without_scaling_they_are_only_moved() -> None:
+    search = search_space(BAGS, POSITIVE, scale=False)
+
+    assert search.sample.points.tolist() == [[-2, 0], [2, 0], [-2, 0], [2, 0]]
+    assert search.factors.tolist() == [1, 0]
+
+
+def test_starts_are_the_different_instances_of_the_bags_chosen() -> None:
+    search = search_space(BAGS, POSITIVE, scale=True)
+
+    assert search.starts(POSITIVE).tolist() == [[[-1, 0], [1, 0]], [[1, 0], [1, 0]]]
+    assert search.starts(np.array([False, True, False])).tolist() == [[[-1, 0], [1, 0]]]
+
+
+def test_a_hypothesis_comes_back_in_the_units_of_the_bags() -> None:
+    search = search_space(BAGS, POSITIVE, scale=True)
+    hypothesis = search.in_own_units(np.array([[0.5, 0.0], [-3.0, 0.0]]))
+
+    # 3 + 0.5 * 2; scales count as absolute values, per deviation: 3 / 2.
+    assert hypothesis.center.tolist() == [4, 7]
+    assert hypothesis.scales.tolist() == [1.5, 0]
+    # (1.5 * 2)^2, whatever the constant feature says.
+    assert hypothesis.squared_distances(np.array([[6.0, 100.0], [4.0, 0.0]])).tolist() == [9, 0]
+
+
+def test_distances_of_enormous_values_are_refused() -> None:
+    with pytest.raises(ValueError, match="beyond 1e"):
+        Hypothesis(np.zeros(1), np.ones(1)).squared_distances(np.array([[1e40]]))
