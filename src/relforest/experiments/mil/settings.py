@@ -85,7 +85,7 @@ EXPLAINED: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("covariant1", INSTANCE_MARGIN): (
             "the source's program takes its threshold from points that are no support vectors too; a copy of "
             "it with that flaw scores .40, the same quadratic program with a right threshold .69"
-        )
+        ),
     }
 )
 """Data sets and peers that differ more from the source, and why: these are told, and not claimed."""
