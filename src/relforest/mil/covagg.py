@@ -8,6 +8,7 @@ import numpy as np
 
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.scenes.bags import Bags
+from relforest.support.parallel import one_blas_thread
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.volumes import CovAggSettings, Ellipsoid, aggregate
 
@@ -86,7 +87,8 @@ class CovAggClassifier(InstanceClassifier):
             self.window, self.prior_weight, self.max_condition, self.restarts, self.sampled
         )
         rng = generator(seed_sequence(self.random_state))
-        found = aggregate(bags.points, bags.starts, positive, rng=rng, settings=settings)
+        with one_blas_thread():
+            found = aggregate(bags.points, bags.starts, positive, rng=rng, settings=settings)
         if found is None or not isinstance(found.volume, Ellipsoid):
             msg = "no volume was found although both classes are present; please report this"
             raise AssertionError(msg)

@@ -9,6 +9,7 @@ import numpy as np
 from relforest.support.jit import kernel
 from relforest.volumes.bag_layout import SlotMajor
 from relforest.volumes.cuts import Buckets, best_cut, new_buckets, radius_at
+from relforest.volumes.low_rank import low_rank_distances, low_rank_nearest
 from relforest.volumes.models import (
     BEST,
     CHOSEN,
@@ -20,6 +21,7 @@ from relforest.volumes.models import (
     Models,
     add_key,
     copy_model,
+    low_rank,
     new_models,
 )
 from relforest.volumes.witnesses import n_instances, nearest_instance, witness_distances
@@ -152,7 +154,7 @@ def _step(
         swap = i + _below(n_candidates - i, dice)
         candidates[i], candidates[swap] = candidates[swap], candidates[i]
         bag = candidates[i]
-        column = nearest_instance(problem.space, bags, bag, models.centres[CURRENT], models.metrics[CURRENT])
+        column = _witness(bags, bag, problem.space, models)
         _try(bags, problem, (CURRENT, column), models.numbers[CHOSEN, SCORE], models, buckets)
         if models.numbers[TRIAL, SCORE] > models.numbers[CHOSEN, SCORE]:
             copy_model(models, TRIAL, CHOSEN)
@@ -181,7 +183,12 @@ def _try(
     if not add_key(problem.space, models, base, bags.points[:, column], regularisation):
         return
     squared = models.squared[TRIAL]
-    witness_distances(problem.space, bags, models.centres[TRIAL], models.metrics[TRIAL], squared)
+    centre, metric = models.centres[TRIAL], models.metrics[TRIAL]
+    rank = low_rank(models, TRIAL)
+    if rank < 0:
+        witness_distances(problem.space, bags, centre, metric, squared)
+    else:
+        low_rank_distances(bags, centre, metric, rank, squared)
     scale = models.numbers[CURRENT, EDGE] if base >= 0 else 0.0
     if not scale > 0.0:
         scale = squared.mean() + np.finfo(np.float64).tiny
@@ -189,6 +196,17 @@ def _try(
     score, edge = best_cut(squared, bags.weights, objective, scale, floor, buckets)
     models.numbers[TRIAL, SCORE] = score
     models.numbers[TRIAL, EDGE] = edge
+
+
+@kernel
+def _witness(bags: SlotMajor, bag: int, space: int, models: Models) -> int:
+    """Column in `bags.points` of the witness of `bag` for `CURRENT`."""
+    centre, metric = models.centres[CURRENT], models.metrics[CURRENT]
+    rank = low_rank(models, CURRENT)
+    if rank < 0:
+        return nearest_instance(space, bags, bag, centre, metric)
+    columns = bags.offsets[: n_instances(bags, bag)] + bag
+    return low_rank_nearest(bags, columns, centre, metric, rank)
 
 
 @kernel

@@ -14,8 +14,9 @@ from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
 from relforest.volumes.conditioning import condition
 from relforest.volumes.ellipsoid import Ellipsoid
-from relforest.volumes.models import BEST, COUNT, SCORE
+from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
 from relforest.volumes.objectives import OBJECTIVES, Objective, entropy_table
+from relforest.volumes.principal_axes import principal_axes
 from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
 
 if TYPE_CHECKING:
@@ -141,15 +142,15 @@ def aggregate(
     if n_positive == 0:
         return None
     in_positive = np.repeat(labels, np.diff(starts))
-    prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
-    problem = Problem(
-        CIRCLE if circular else EUCLIDEAN,
-        OBJECTIVES[objective],
-        prior,
-        float(settings.max_condition),
-        entropy_table(len(labels)),
-        (settings.window, settings.restarts, settings.sampled),
-    )
+    axes = principal_axes(points, in_positive) if points.shape[1] > FEW_DIMENSIONS else None
+    if axes is None:
+        prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
+    else:
+        points, prior = axes.coordinates, np.diag(settings.prior_weight * axes.variances)
+    code = CIRCLE if circular else EUCLIDEAN
+    plan = (settings.window, settings.restarts, settings.sampled)
+    table = entropy_table(len(labels))
+    problem = Problem(code, OBJECTIVES[objective], prior, float(settings.max_condition), table, plan)
     most_sampled = min(settings.sampled, n_positive)
     draws = rng.random(min(settings.restarts, n_positive) * (1 + most_sampled * n_positive))
     layout, positives = slot_major(points, starts, labels)
@@ -161,10 +162,11 @@ def aggregate(
         kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
         volume: Volume = Arc(float(models.centres[BEST, 0]), radius, kappa)
     else:
-        covariance = models.scatters[BEST] + prior
+        mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
+        if axes is not None:
+            mean, covariance = axes.back(mean, covariance)
         condition(covariance, settings.max_condition)
-        weight = float(settings.prior_weight)
-        volume = Ellipsoid(models.centres[BEST].copy(), covariance, radius, n_keys, weight)
+        volume = Ellipsoid(mean, covariance, radius, n_keys, float(settings.prior_weight))
     return Aggregation(volume, score, n_models)
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from relforest.support.jit import kernel
-from relforest.volumes.conditioning import condition, whiten
+from relforest.volumes.conditioning import condition, extreme_eigenvalues, ridge, whiten
+from relforest.volumes.low_rank import low_rank_metric
 from relforest.volumes.witnesses import CIRCLE
 
 if TYPE_CHECKING:
@@ -24,6 +25,11 @@ EDGE: Final = 1
 COUNT: Final = 2
 
 
+# Up to here the matrices are so small that products of low rank would take longer; beyond, points
+# stand along the principal axes of the prior.
+FEW_DIMENSIONS: Final = 10
+
+
 class Models(NamedTuple):
     """Four models side by side, in rows `CURRENT`, `CHOSEN`, `TRIAL` and `BEST`.
 
@@ -34,8 +40,9 @@ class Models(NamedTuple):
     numbers: NDArray[np.float64]  # (4, 3) score, squared edge of the cut, number of key points
     sums: NDArray[np.float64]  # (4, d) sum of the keys; on the circle (4, 2), of cosines and sines
     scatters: NDArray[np.float64]  # (4, d, d) ncov of eq. 3.4
+    steps: NDArray[np.float64]  # (4, d - 1, d) up to d keys: scatter = steps.T @ steps; few d: none
     centres: NDArray[np.float64]  # (4, d); on the circle the mean direction
-    metrics: NDArray[np.float64]  # (4, d, d) see `whiten`
+    metrics: NDArray[np.float64]  # (4, d, d) see `whiten`, or `low_rank_metric` if `low_rank` >= 0
     squared: NDArray[np.float64]  # (4, n_bags) squared witness distances
 
 
@@ -48,10 +55,18 @@ def new_models(space: int, dim: int, n_bags: int) -> Models:
         numbers,
         np.zeros((4, 2 if space == CIRCLE else dim)),
         np.zeros((4, dim, dim)),
+        np.zeros((4, dim - 1 if dim > FEW_DIMENSIONS else 0, dim)),
         np.zeros((4, dim)),
         np.zeros((4, dim, dim)),
         np.zeros((4, n_bags)),
     )
+
+
+@kernel
+def low_rank(models: Models, row: int) -> int:
+    """Rank of the scatter of the keys where the metric is one of `low_rank`, otherwise -1."""
+    dim, n_keys = models.centres.shape[1], int(models.numbers[row, COUNT])
+    return n_keys - 1 if dim > FEW_DIMENSIONS and n_keys <= dim else -1
 
 
 @kernel
@@ -67,6 +82,9 @@ def copy_model(models: Models, source: int, target: int) -> None:
         for j in range(models.centres.shape[1]):
             models.scatters[target, i, j] = models.scatters[source, i, j]
             models.metrics[target, i, j] = models.metrics[source, i, j]
+    for i in range(min(models.steps.shape[1], int(models.numbers[source, COUNT]) - 1)):
+        for j in range(models.steps.shape[2]):
+            models.steps[target, i, j] = models.steps[source, i, j]
     for i in range(models.squared.shape[1]):
         models.squared[target, i] = models.squared[source, i]
 
@@ -104,9 +122,42 @@ def add_key(
         # The mean comes from the sum, since a running mean would part points at equal distances.
         models.sums[TRIAL, i] = kept * models.sums[source, i] + point[i]
         models.centres[TRIAL, i] = models.sums[TRIAL, i] / n
+    if dim > FEW_DIMENSIONS and n <= dim:
+        _set_low_rank_metric(models, source, point, regularisation)
+        return True
     condition(covariance, max_condition)
     whiten(covariance, covariance)
     return True
+
+
+@kernel
+def _set_low_rank_metric(
+    models: Models,
+    source: int,
+    point: NDArray[np.float64],
+    regularisation: tuple[NDArray[np.float64], float],
+) -> None:
+    """Replace the covariance in the metric of `TRIAL` by the metric for up to d keys."""
+    prior, max_condition = regularisation
+    rank, dim = int(models.numbers[TRIAL, COUNT]) - 1, len(point)
+    diagonal = np.empty(dim)
+    largest, smallest = prior[0, 0], prior[0, 0]
+    for i in range(dim):
+        largest, smallest = max(largest, prior[i, i]), min(smallest, prior[i, i])
+        for row in range(rank - 1):
+            models.steps[TRIAL, row, i] = models.steps[source, row, i]
+        if rank > 0:
+            offset = point[i] - models.centres[source, i]
+            models.steps[TRIAL, rank - 1, i] = math.sqrt(rank / (rank + 1.0)) * offset
+    if rank > 0:
+        largest, smallest = extreme_eigenvalues(models.metrics[TRIAL])
+    added = ridge(largest, smallest, max_condition)
+    vanishes = added < 0.0
+    for i in range(dim):
+        diagonal[i] = 1.0 if vanishes else prior[i, i] + added
+        for row in range(rank if vanishes else 0):
+            models.steps[TRIAL, row, i] = 0.0
+    low_rank_metric(diagonal, models.steps[TRIAL, :rank], models.metrics[TRIAL])
 
 
 @kernel
