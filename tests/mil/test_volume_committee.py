@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
-from sklearn.utils.estimator_checks import check_estimator
 
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
@@ -261,10 +260,3 @@ def test_parameters_are_those_of_scikit_learn() -> None:
 
     assert model.get_params()["n_splits"] == 3
     assert model.get_params()["panels"] == ["parts"]
-
-
-def test_checks_of_scikit_learn() -> None:
-    results = check_estimator(VolumeCommitteeClassifier(**SMALL), on_fail=None, on_skip=None)
-    outcomes = {result["check_name"]: (result["status"], result["exception"]) for result in results}
-
-    assert {name: outcome for name, outcome in outcomes.items() if outcome[0] != "passed"} == {}
