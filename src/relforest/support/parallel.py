@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from typing import Literal, TypeVar, TypeVarTuple
 
 import joblib
-from threadpoolctl import threadpool_limits
+import scipy.linalg  # noqa: F401, its BLAS, which kernels call, must be loaded before `_libraries` looks
+from threadpoolctl import ThreadpoolController
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
@@ -59,9 +61,15 @@ def run_tasks(
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Keep BLAS to one thread inside the ``with`` block, in the whole process."""
-    with threadpool_limits(limits=1, user_api="blas"):
+    """Keep NumPy's and SciPy's BLAS to one thread inside the ``with`` block, in the whole process."""
+    with _libraries().limit(limits=1, user_api="blas"):
         yield
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """Return what controls the libraries loaded; to look for them takes longer than a small fit."""
+    return ThreadpoolController()
 
 
 def checked_jobs(n_jobs: object) -> int:
