@@ -159,9 +159,11 @@ def test_a_missing_file_is_told_how_to_get(cache: Path) -> None:
     with pytest.raises(DataError) as error:
         get(cache)
     for remedy in (
-        str(cache),
+        f"looked in {cache}",
+        "not been put on the web yet",
         "RELFOREST_DATA to a folder that holds mil/bags.csv.gz",
-        "base_url",
+        "base_url or in RELFOREST_DATA_URL",
+        "read_csv, read_c45 or read_arff",
         "a cupboard",
     ):
         assert remedy in str(error.value)

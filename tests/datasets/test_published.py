@@ -5,12 +5,13 @@ from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from datasets.few_molecules import DATA, assert_few_molecules
 from relforest import datasets
 from relforest.datasets import CATALOGUE, About, fetch, load_east_west
-from relforest.datasets.catalogue import SHA256, file_name
+from relforest.datasets.catalogue import EAST_WEST, SHA256, file_name
 from relforest.datasets.published import read_published
 from relforest.support.errors import DataError, InputError
 
@@ -81,6 +82,36 @@ def test_single_values_of_musk_are_those_of_the_repository() -> None:
     assert {len(bag) for bag in datasets.fetch_musk2().bags} >= {1, 1044}
 
 
+@pytest.mark.usefixtures("local_data")
+@pytest.mark.parametrize(("name", "n_constant"), [("elephant", 120), ("fox", 108), ("tiger", 106)])
+def test_constant_features_of_images_are_as_many_as_is_said(name: str, n_constant: int) -> None:
+    data = fetch(name)
+    points = np.concatenate(data.bags)
+    assert np.count_nonzero((points == points[0]).all(axis=0)) == n_constant
+    assert np.count_nonzero((points == 0).all(axis=0)) == 87
+    assert data.about is not None
+    assert f"{n_constant} of the 230 features are constant, 87 of them zero" in data.about.notes
+
+
+@pytest.mark.usefixtures("local_data")
+def test_elements_of_atoms_are_in_the_order_that_is_said() -> None:
+    atoms = np.concatenate(datasets.fetch_mutagenesis_atoms().bags)
+    types, elements = atoms[:, 1], atoms[:, 2:]
+    np.testing.assert_array_equal(np.sort(elements), np.eye(8)[[-1]].repeat(len(atoms), axis=0))
+    # The halogens' types are consecutive numbers: 92 fluorine, 93 chlorine, 94 bromine, 95 iodine.
+    br, c, cl, f, h, i, n, o = (set(types[element == 1]) for element in elements.T)
+    assert (f, cl, br, i) == ({92}, {93}, {94}, {95})
+    # Aromatic carbon, hydrogen, the nitrogen and the oxygen of nitro groups.
+    assert [22 in c, 3 in h, 38 in n, 40 in o] == [True] * 4
+    assert "eight elements br, c, cl, f, h, i, n, o, in this order" in CATALOGUE["mutagenesis_atoms"].notes
+
+
+def test_what_is_not_known_is_not_stated_as_a_fact() -> None:
+    for name in ("musk1", "musk2"):
+        assert "UCI, where the set was first published, lists terms of its own" in CATALOGUE[name].licence
+    assert "is an inference" in EAST_WEST.notes
+
+
 def test_a_local_file_is_read_and_described(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RELFOREST_DATA", str(DATA))
     found = read_published(FEW, REGISTRY, data_home=None, base_url=None)
@@ -115,21 +146,22 @@ def test_unknown_names_are_refused() -> None:
         fetch("musk3")
 
 
-def trains(n_bags: int, n_instances: int) -> str:
+def trains(n_bags: int, n_instances: int, *, labels: tuple[str, str] = ("west", "east")) -> str:
     """A file in the shape of Weka's East-West data, half of whose trains go east."""
     features = "".join(f"@attribute f{number} {{no,yes}}\n" for number in range(24))
     head = f"@relation t\n@attribute id string\n@attribute bag relational\n{features}@end bag\n"
     cars = ",".join(["yes"] + ["no"] * 23)
     sizes = [n_instances // n_bags + (number < n_instances % n_bags) for number in range(n_bags)]
     bags = ["\\n".join([cars] * size) for size in sizes]
-    rows = "".join(f't{number},"{bag}",{"we"[number % 2]}\n' for number, bag in enumerate(bags))
-    return f"{head}@attribute class {{w,e}}\n@data\n{rows}"
+    rows = "".join(f't{number},"{bag}",{labels[number % 2]}\n' for number, bag in enumerate(bags))
+    return f"{head}@attribute class {{{','.join(labels)}}}\n@data\n{rows}"
 
 
 def test_east_west_is_read_from_the_users_file(tmp_path: Path) -> None:
     path = tmp_path / "eastWest.arff"
     path.write_text(trains(20, 213), encoding="utf-8")
-    data = load_east_west(path, positive="e")
+    data = load_east_west(path)
+    assert data.labels.tolist() == [False, True] * 10
     assert (len(data), data.n_positive, data.n_instances) == (20, 10, 213)
     # 24 attributes of two values each.
     assert data.n_features == 48
@@ -137,10 +169,21 @@ def test_east_west_is_read_from_the_users_file(tmp_path: Path) -> None:
     assert data.about.title == "East-West"
 
 
+@pytest.mark.parametrize(
+    ("labels", "positive"), [(("0", "1"), None), (("w", "e"), "e"), (("east", "west"), "west")]
+)
+def test_eastbound_trains_may_have_another_label(
+    tmp_path: Path, labels: tuple[str, str], positive: str | None
+) -> None:
+    path = tmp_path / "eastWest.arff"
+    path.write_text(trains(20, 213, labels=labels), encoding="utf-8")
+    assert load_east_west(path, positive=positive).labels.tolist() == [False, True] * 10
+
+
 def test_another_file_is_not_east_west(tmp_path: Path) -> None:
     path = tmp_path / "eastWest.arff"
     path.write_text(trains(20, 63), encoding="utf-8")
     with pytest.raises(DataError, match="is not East-West: it holds 63 instances instead of 213"):
-        load_east_west(path, positive="e")
+        load_east_west(path)
     with pytest.raises(DataError, match=r"4 bags instead of 20.*2 attributes instead of 24"):
         load_east_west(DATA / "few_molecules.arff")

@@ -17,6 +17,9 @@ _MOLECULES: Final = (
     "multi-instance files follow"
 )
 _LICENCE: Final = "MIT for the {} that the copy comes from, which states no terms for the data themselves"
+_MUSK_LICENCE: Final = (
+    f"{_LICENCE.format('package')}; UCI, where the set was first published, lists terms of its own"
+)
 _MUSK: Final = (
     "Dietterich, Lathrop and Lozano-Perez (1997), Solving the multiple instance problem with axis-parallel "
     "rectangles, Artificial Intelligence 89:31-71"
@@ -34,7 +37,7 @@ _IMAGES: Final = (
     "Andrews, Tsochantaridis and Hofmann (2003), Support vector machines for multiple-instance learning, "
     "Advances in Neural Information Processing Systems 15"
 )
-_CONSTANT: Final = "87 of the 230 features are constant."
+_CONSTANT: Final = "{} of the 230 features are constant, 87 of them zero."
 _MOLECULE_NOTES: Final = (
     "Counts equal those of Weka's file; bags come in another order. Positive: the molecule is mutagenic. "
 )
@@ -48,7 +51,7 @@ _SETS: Final = (
         476,
         166,
         f"{_MIL_PACKAGE}; its bags equal those of garydoranjr/misvm and komartom/MIDatasets.jl on GitHub",
-        _LICENCE.format("package"),
+        _MUSK_LICENCE,
         _MUSK,
         "A bag is a molecule, an instance one of its shapes. Integers of up to some hundreds, not scaled.",
     ),
@@ -60,7 +63,7 @@ _SETS: Final = (
         6598,
         166,
         _MIL_PACKAGE,
-        _LICENCE.format("package"),
+        _MUSK_LICENCE,
         _MUSK,
         "As Musk 1, with bags of 1 to 1044 instances.",
     ),
@@ -74,7 +77,7 @@ _SETS: Final = (
         f"{_MIL_PACKAGE}; its bags equal those of komartom/MIDatasets.jl on GitHub",
         _LICENCE.format("package"),
         _IMAGES,
-        f"A bag is an image, an instance one of its segments. {_CONSTANT}",
+        f"A bag is an image, an instance one of its segments. {_CONSTANT.format(120)}",
     ),
     About(
         "fox",
@@ -86,7 +89,7 @@ _SETS: Final = (
         _MIDATASETS,
         _LICENCE.format("repository"),
         _IMAGES,
-        f"As Elephant; stored in single precision. Some papers count 1302 instances. {_CONSTANT}",
+        f"As Elephant; stored in single precision. Some papers count 1302 instances. {_CONSTANT.format(108)}",
     ),
     About(
         "tiger",
@@ -98,7 +101,7 @@ _SETS: Final = (
         _MIDATASETS,
         _LICENCE.format("repository"),
         _IMAGES,
-        f"As Elephant; stored in single precision. {_CONSTANT}",
+        f"As Elephant; stored in single precision. {_CONSTANT.format(106)}",
     ),
     About(
         "mutagenesis_atoms",
@@ -110,7 +113,8 @@ _SETS: Final = (
         _MOLECULES,
         _LICENCE.format("repository"),
         _MUTAGENESIS,
-        f"{_MOLECULE_NOTES}An instance is a distinct atom: charge, type, one of seven elements.",
+        f"{_MOLECULE_NOTES}An instance is a distinct atom: charge, type, and whether it is each of the eight "
+        "elements br, c, cl, f, h, i, n, o, in this order.",
     ),
     About(
         "mutagenesis_bonds",
@@ -164,7 +168,8 @@ EAST_WEST: Final = About(
     "unknown",
     "Michie, Muggleton, Page and Srinivasan (1994), To the international computing community: a new "
     "East-West challenge, Oxford University Computing Laboratory",
-    "A bag is a train, an instance a pair of its cars.",
+    "A bag is a train. That an instance is an ordered pair of its cars is an inference, as we have not seen "
+    "the file: the 20 trains of the challenge have 213 such pairs.",
 )
 
 SHA256: Final[Mapping[str, str]] = MappingProxyType(

@@ -13,7 +13,7 @@ from typing import Final
 
 import pooch
 
-from relforest.support.errors import DataError, InputError
+from relforest.support.errors import DataError, InputError, MissingDataError
 from relforest.support.files import read_input
 
 __all__ = ["DATA_VARIABLE", "URL_VARIABLE", "data_file"]
@@ -59,7 +59,8 @@ def data_file(
     Raises
     ------
     DataError
-        If the file is nowhere and there is no address, the download fails, or the hash is wrong.
+        If the file is nowhere and there is no address (then it is a `MissingDataError`), the download fails,
+        or the hash is wrong.
     """
     expected = registry[name]
     local = _local_folders()
@@ -73,10 +74,11 @@ def data_file(
         _download(name, registry, cache, url)
     elif not path.is_file():
         looked = ", ".join(map(str, (*local, cache)))
-        raise DataError(
-            f"{name} was not found (looked in {looked}): set the environment variable {DATA_VARIABLE} "
-            f"to a folder that holds {_SUBFOLDER}/{name}, or give an address to download from as base_url or "
-            f"in {URL_VARIABLE}. Source of the data: {source}"
+        raise MissingDataError(
+            f"{name} was not found (looked in {looked}) and has not been put on the web yet. If you have the "
+            f"file, set the environment variable {DATA_VARIABLE} to a folder that holds {_SUBFOLDER}/{name}, "
+            f"or give an address to download from as base_url or in {URL_VARIABLE}; if you have another copy "
+            f"of the data, read it with read_csv, read_c45 or read_arff. Source of the data: {source}"
         )
     return path, _checked(path, expected, f"delete it and fetch it again with base_url or {URL_VARIABLE}")
 

@@ -152,7 +152,7 @@ def load_east_west(path: Folder, *, positive: str | None = None) -> BagSet:
     path : path
         The relational ARFF file; we know of no copy that could be fetched.
     positive : str, optional
-        The label of eastbound trains; needed if labels are not 0 and 1.
+        The label of eastbound trains; by default ``"east"`` if the file has that, or else 1 of 1 and 0.
 
     Returns
     -------
@@ -171,7 +171,7 @@ def load_east_west(path: Folder, *, positive: str | None = None) -> BagSet:
     ----------
     Palmer (2015), section 3.3.2.
     """
-    relation, found = read_relation(path, positive=positive)
+    relation, found = read_relation(path, positive=positive, usual="east")
     return _described(found, EAST_WEST, len(relation.features), str(path))
 
 

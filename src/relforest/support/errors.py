@@ -21,3 +21,7 @@ class RunFolderError(RelforestError, RuntimeError):
 
 class DataError(RelforestError, OSError):
     """The file of a published data set is missing, cannot be fetched or is not the right one."""
+
+
+class MissingDataError(DataError):
+    """The file of a published data set is in none of the places where it is looked for."""

@@ -74,8 +74,14 @@ def test_everything_that_the_format_allows_is_understood(write: Write) -> None:
 def test_labels_other_than_0_and_1_need_to_be_told_apart(write: Write) -> None:
     path = write(HEAD.replace("{0,1}", "{no,yes}") + 'a,"1,x",yes\nb,"1,x",no\n')
     assert read_arff(path, positive="no").labels.tolist() == [False, True]
-    with pytest.raises(InputError, match="the labels are 'no', 'yes', not 0 and 1: say which one"):
+    with pytest.raises(InputError, match="give positive='no' or positive='yes'"):
         read_arff(path)
+
+
+@pytest.mark.parametrize("end", ["\\r\\n", "\\n", "\\r"])
+def test_instances_may_end_as_lines_of_any_system_do(write: Write, end: str) -> None:
+    data = read_arff(write(f'{HEAD}a,"1,x{end}2,y{end}",1\n'))
+    assert data.bags[0].tolist() == [[1, 1, 0, 0], [2, 0, 1, 0]]
 
 
 @pytest.mark.parametrize(
@@ -83,7 +89,10 @@ def test_labels_other_than_0_and_1_need_to_be_told_apart(write: Write) -> None:
     [
         ('a,"1,x"', "line 9: there are 2 values, but a name, a bag and a label"),
         ('a,"1,x",1,1', "line 9: there are 4 values"),
-        ('a,"1,x",2', "line 9: the label '2' is not declared"),
+        ('a,"1,x",2', "line 9: the label '2' is not declared: add it to the attribute 'class'"),
+        ('a,"1,x",1\nc,"1,x",0', "line 10: the name 'c' is not declared: add it to the attribute 'id'"),
+        (',"1,x",1', "line 9: the bag has no name"),
+        ("'',\"1,x\",1", "line 9: the bag has no name"),
         ('a,"1,x",1\n\na,"1,x",1', "line 11: bag 'a' stands on line 9 already"),
         ('a,"1,w",1', "line 9: instance 1, attribute 'g': the value 'w' is not declared"),
         ('a,"1,x\\n1.2.3,x",1', "line 9: instance 2, attribute 'f': '1.2.3' is no finite number"),

@@ -42,6 +42,25 @@ def test_instances_may_have_no_names_and_labels_no_dots(write: Write) -> None:
     assert data.labels.tolist() == [True, False]
 
 
+NUMBERS = "a,a1,10,20,1.\na,5,30,40,1.\n"
+
+
+def test_a_number_may_name_an_instance_or_be_its_first_feature(write: Write) -> None:
+    path = write(NUMBERS)
+    message = "line 2: the second field, '5', may be .* give instance_ids=True or instance_ids=False"
+    with pytest.raises(InputError, match=message):
+        read_c45(path)
+    assert read_c45(path, instance_ids=True).bags[0].tolist() == [[10, 20], [30, 40]]
+    assert read_c45(write(NUMBERS.replace("a1", "1")), instance_ids=False).n_features == 3
+
+
+def test_a_name_that_is_read_as_a_number_is_recognised(write: Write) -> None:
+    with pytest.raises(InputError, match=r"line 1: 'a1' is no finite number.* give instance_ids=True"):
+        read_c45(write(NUMBERS), instance_ids=False)
+    with pytest.raises(InputError, match=r"line 1: 'x' is no finite number: correct it.* is missing$"):
+        read_c45(write("a,1,x,1.\n"), instance_ids=False)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -53,7 +72,7 @@ def test_instances_may_have_no_names_and_labels_no_dots(write: Write) -> None:
         ("a,a1,1,inf,1.\n", "line 1: 'inf' is no finite number"),
         ("a,a1,1,2,1.\na,a2,1,2,0.\n", "line 2: bag 'a' is labelled '0' here and '1' above"),
         (",a1,1,2,1.\n", "line 1: the bag has no name"),
-        ("a,a1,1,2,musk.\n", "the labels are 'musk', not 0 and 1: say which one is positive"),
+        ("a,a1,1,2,musk.\n", "ambiguous which of the labels 'musk' is positive: give positive='musk'"),
     ],
 )
 def test_what_is_wrong_and_where_is_said(write: Write, text: str, message: str) -> None:

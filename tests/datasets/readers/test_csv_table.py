@@ -57,6 +57,12 @@ def test_quotes_spaces_blank_lines_line_ends_and_a_byte_order_mark_are_understoo
     assert [bag.tolist() for bag in data.bags] == [[[1000]], [[-0.5]]]
 
 
+def test_blanks_around_identifiers_do_not_matter(write: Write) -> None:
+    data = read_csv(write(HEAD + 'a,1,1,2\na ,1,3,4\n" a",1,5,6\n'))
+    assert data.bag_ids.tolist() == ["a"]
+    assert data.n_instances == 3
+
+
 def test_bags_of_one_class_can_be_read(write: Write) -> None:
     assert read_csv(write(HEAD + "a,1,0,0\nb,1,0,0\n")).labels.tolist() == [True, True]
     assert read_csv(write(HEAD + "a,-1,0,0\n")).labels.tolist() == [False]
@@ -80,7 +86,20 @@ def test_bags_of_one_class_can_be_read(write: Write) -> None:
         (HEAD + "a,1,2,3\nb,0,1,2,3\n", "line 3: there are 5 fields, but 4 columns"),
         (HEAD + "a,1,2,3\nb,0,2,3\na,0,4,5\n", "line 4: bag 'a' is labelled '0' here and '1' above"),
         (HEAD + "a,1,2,3\n,0,2,3\n", "line 3: the bag has no name"),
-        (HEAD + "a,yes,2,3\nb,no,2,3\n", "labels are 'no', 'yes', not 0 and 1: say which one is positive"),
+        (HEAD + 'a,1,2,3\nb,0,2,"5 inch\nc,1,2,3\n', "line 3, cannot be read as CSV: unexpected end of data"),
+        (HEAD + 'a,1,2,3\nb,0,2,"5\nc,1,2,"6\n', "line 3, cannot be read as CSV: ',' expected after"),
+        (HEAD + '"a\nb",1,2,x\n', "line 2: column 'f1': 'x' is no finite number"),
+        (
+            ",bag_id,bag_label,f0\n0,a,1,2\n",
+            "column 1 has no name, so it looks like a row index: .*index=False",
+        ),
+        ("bag_id,bag_label,f0,\na,1,2,0\n", "column 4 has no name"),
+        (
+            HEAD + "a,yes,2,3\nb,no,2,3\n",
+            "labels 'no', 'yes' is positive: give positive='no' or positive='yes'",
+        ),
+        (HEAD + "a,0,2,3\nb,-1,2,3\n", "labels '-1', '0' is positive: give positive='-1' or positive='0'"),
+        (HEAD + "a,x,2,3\nb,y,2,3\nc,z,2,3\n", "more than two labels, 'x', 'y', 'z'"),
         (HEAD + "a,0,2,3\nb,-1,2,3\nc,1,2,3\n", "more than two labels, '-1', '0', '1'"),
     ],
 )
@@ -89,6 +108,25 @@ def test_what_is_wrong_and_where_is_said(write: Write, text: str, message: str) 
     with pytest.raises(InputError, match=message) as error:
         read_csv(path)
     assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("features", "column"),
+    [(["f0", "bag_label"], "bag_label"), (["bag_id", "f0"], "bag_id"), (["f0", "f1", "f0"], "f0")],
+)
+def test_no_column_is_chosen_twice(write: Write, features: list[str], column: str) -> None:
+    with pytest.raises(InputError, match=f"column '{column}' is chosen twice"):
+        read_csv(write(HEAD + "1,1,2,3\n"), features=features)
+
+
+def test_a_bag_id_is_no_label(write: Write) -> None:
+    with pytest.raises(InputError, match="column 'bag_id' is chosen twice"):
+        read_csv(write(HEAD + "1,1,2,3\n"), label="bag_id")
+
+
+def test_a_row_index_does_not_matter_if_features_are_named(write: Write) -> None:
+    data = read_csv(write(",bag_id,bag_label,f0\n7,a,1,2\n"), features=["f0"])
+    assert data.bags[0].tolist() == [[2]]
 
 
 @pytest.mark.parametrize("positive", ["maybe", "x"])

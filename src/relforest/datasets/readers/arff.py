@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from relforest.datasets.bag_set import BagSet
 from relforest.datasets.readers.arff_lines import Attribute, parse_attribute, split_fields, split_statement
-from relforest.datasets.readers.fields import FieldError, at_line, number, positive_labels, read_text
+from relforest.datasets.readers.fields import (
+    FieldError,
+    at_line,
+    number,
+    positive_labels,
+    read_lines,
+    split_lines,
+)
 from relforest.support.errors import InputError
 
 __all__ = ["BagRelation", "read_arff", "read_relation"]
@@ -29,12 +36,15 @@ class BagRelation:
 
     Attributes
     ----------
+    name : Attribute
+        The identifier, the first attribute of a bag.
     features : tuple of Attribute
         The attributes of an instance, numeric or nominal.
     label : Attribute
         The class, the last attribute of a bag.
     """
 
+    name: Attribute
     features: tuple[Attribute, ...]
     label: Attribute
 
@@ -47,7 +57,8 @@ def read_arff(path: str | os.PathLike[str], *, positive: str | None = None) -> B
     path : path
         The file; it may be compressed with gzip.
     positive : str, optional
-        The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true.
+        The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
+        which the second is positive.
 
     Returns
     -------
@@ -60,8 +71,8 @@ def read_arff(path: str | os.PathLike[str], *, positive: str | None = None) -> B
     InputError
         If the file cannot be read, does not declare a name, a relational attribute and a class, in this
         order, or holds what cannot be used: a missing value, a number that is none, an undeclared value, a
-        sparse or a weighted row, an empty bag, attributes of instances that are text or dates. The message
-        names the line.
+        bag without a name, a sparse or a weighted row, an empty bag, attributes of instances that are text
+        or dates. The message names the line.
 
     Notes
     -----
@@ -81,9 +92,26 @@ def read_arff(path: str | os.PathLike[str], *, positive: str | None = None) -> B
     return read_relation(path, positive=positive)[1]
 
 
-def read_relation(path: str | os.PathLike[str], *, positive: str | None = None) -> tuple[BagRelation, BagSet]:
-    """Return what the file declares beside the bags; see `read_arff`."""
-    lines = enumerate(read_text(path).split("\n"), start=1)
+def read_relation(
+    path: str | os.PathLike[str], *, positive: str | None = None, usual: str | None = None
+) -> tuple[BagRelation, BagSet]:
+    """Return what the file declares beside the bags; see `read_arff`.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    positive : str or None
+        The label of positive bags.
+    usual : str or None
+        The label of positive bags in files that have it, if ``positive`` is not given.
+
+    Raises
+    ------
+    InputError
+        As `read_arff` says.
+    """
+    lines = enumerate(read_lines(path), start=1)
     relation = _read_head(lines, path)
     ids: dict[str, int] = {}
     labels: list[str] = []
@@ -98,15 +126,19 @@ def read_relation(path: str | os.PathLike[str], *, positive: str | None = None) 
                     f"there are {len(fields)} values, but a name, a bag and a label are declared"
                 )
             name, instances, label = fields
+            if not name:
+                raise FieldError("the bag has no name: give it one")
             if name in ids:
                 raise FieldError(f"bag {name!r} stands on line {ids[name]} already: give it another name")
-            if relation.label.values and label not in relation.label.values:
-                raise FieldError(f"the label {label!r} is not declared: add it to the class or correct it")
+            _check_declared("name", name, relation.name)
+            _check_declared("label", label, relation.label)
             ids[name] = line_number
             labels.append(label)
             bags.append(_points(instances, relation.features))
     if not bags:
         raise InputError(f"{path} holds no bags below @data")
+    if positive is None and usual in labels:
+        positive = usual
     is_positive = positive_labels(labels, positive, str(path))
     return relation, BagSet(bags, is_positive, np.array(list(ids), dtype=object))
 
@@ -155,12 +187,12 @@ def _bag_relation(declared: list[Attribute]) -> BagRelation:
         )
     if not features:
         raise FieldError(f"the relational attribute {declared[1].name!r} has no attributes")
-    return BagRelation(features, declared[2])
+    return BagRelation(declared[0], features, declared[2])
 
 
 def _points(text: str, features: Sequence[Attribute]) -> NDArray[np.float64]:
     """Return the instances of a bag, (n, d)."""
-    rows = [fields for fields in map(split_fields, text.split("\n")) if fields]
+    rows = [fields for fields in map(split_fields, split_lines(text)) if fields]
     if not rows:
         raise FieldError("the bag has no instances: leave it out or fill it")
     return np.array(
@@ -174,15 +206,19 @@ def _components(row_number: int, fields: Sequence[str], features: Sequence[Attri
     components: list[float] = []
     for field, attribute in zip(fields, features, strict=True):
         try:
-            components += (
-                [number(field)] if attribute.kind == "numeric" else _indicators(field, attribute.values)
-            )
+            components += [number(field)] if attribute.kind == "numeric" else _indicators(field, attribute)
         except FieldError as error:
             raise FieldError(f"instance {row_number}, attribute {attribute.name!r}: {error}") from error
     return components
 
 
-def _indicators(field: str, values: tuple[str, ...]) -> list[float]:
-    if field not in values:
-        raise FieldError(f"the value {field!r} is not declared: add it to the attribute or correct it")
-    return [float(field == value) for value in values]
+def _indicators(field: str, attribute: Attribute) -> list[float]:
+    _check_declared("value", field, attribute)
+    return [float(field == value) for value in attribute.values]
+
+
+def _check_declared(what: str, field: str, attribute: Attribute) -> None:
+    if attribute.kind == "nominal" and field not in attribute.values:
+        raise FieldError(
+            f"the {what} {field!r} is not declared: add it to the attribute {attribute.name!r} or correct it"
+        )

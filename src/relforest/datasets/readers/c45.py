@@ -6,14 +6,14 @@ import os
 from collections.abc import Iterator
 
 from relforest.datasets.bag_set import BagSet
-from relforest.datasets.readers.fields import FieldError, at_line, number, read_text
+from relforest.datasets.readers.fields import FieldError, at_line, number, read_lines
 from relforest.datasets.readers.flat_rows import Row, gather
 
 __all__ = ["read_c45"]
 
 
 def read_c45(
-    path: str | os.PathLike[str], *, instance_ids: bool = True, positive: str | None = None
+    path: str | os.PathLike[str], *, instance_ids: bool | None = None, positive: str | None = None
 ) -> BagSet:
     """Read bags from a C4.5 ``.data`` file such as ``clean1.data`` of Musk.
 
@@ -21,10 +21,12 @@ def read_c45(
     ----------
     path : path
         The ``.data`` file; a ``.names`` file beside it is not needed. It may be compressed with gzip.
-    instance_ids : bool
-        Whether the second field is a name of the instance (Musk: of the conformation), which is not kept.
+    instance_ids : bool, optional
+        Whether the second field is a name of the instance (Musk: of the conformation), which is not kept, or
+        the first feature; needed if it is a number, and otherwise a name by default.
     positive : str, optional
-        The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true.
+        The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
+        which the second is positive.
 
     Returns
     -------
@@ -35,7 +37,8 @@ def read_c45(
     ------
     InputError
         If the file cannot be read, a line has another number of fields than the first, a feature is missing
-        or no finite number, or labels are unclear; the message names the line.
+        or no finite number, ``instance_ids`` is needed and not given, or labels are unclear; the message
+        names the line.
 
     Notes
     -----
@@ -43,18 +46,20 @@ def read_c45(
     features, all of them numbers, and the label, with or without a dot at its end. From ``|`` on
     a line is a comment.
     """
-    return gather(_rows(path, 2 if instance_ids else 1), positive, str(path))
+    return gather(_rows(path, instance_ids=instance_ids), positive, str(path))
 
 
-def _rows(path: str | os.PathLike[str], n_names: int) -> Iterator[Row]:
+def _rows(path: str | os.PathLike[str], *, instance_ids: bool | None) -> Iterator[Row]:
+    n_names = 1 if instance_ids is False else 2
     expected: int | None = None
-    for line_number, line in enumerate(read_text(path).split("\n"), start=1):
+    for line_number, line in enumerate(read_lines(path), start=1):
         fields = [field.strip() for field in line.partition("|")[0].split(",")]
         if fields == [""]:
             continue
         features = fields[n_names:-1]
         with at_line(path, line_number):
             _check_length(features, expected, n_names)
+            _check_second(fields[1], instance_ids=instance_ids)
             point = [number(feature) for feature in features]
         expected = len(features)
         yield Row(line_number, fields[0], fields[-1].removesuffix("."), point)
@@ -68,3 +73,18 @@ def _check_length(features: list[str], expected: int | None, n_names: int) -> No
         )
     if expected not in {None, len(features)}:
         raise FieldError(f"there are {len(features)} features, but {expected} above: complete the line")
+
+
+def _check_second(field: str, *, instance_ids: bool | None) -> None:
+    """Refuse a second field that is not plainly what ``instance_ids`` says."""
+    try:
+        number(field)
+    except FieldError as error:
+        if instance_ids is False:
+            raise FieldError(f"{error}; if it is the name of the instance, give instance_ids=True") from error
+    else:
+        if instance_ids is None:
+            raise FieldError(
+                f"the second field, {field!r}, may be the name of the instance or its first feature: give "
+                "instance_ids=True or instance_ids=False"
+            )

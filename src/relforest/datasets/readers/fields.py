@@ -14,10 +14,19 @@ from numpy.typing import NDArray
 from relforest.support.errors import InputError
 from relforest.support.files import read_input, unpacked
 
-__all__ = ["FieldError", "at_line", "number", "positive_labels", "read_text"]
+__all__ = ["FieldError", "at_line", "number", "positive_labels", "read_lines", "split_lines"]
 
-_POSITIVE: Final = frozenset({"1", "+1", "1.0", "true"})
-_NEGATIVE: Final = frozenset({"0", "-1", "0.0", "-1.0", "false"})
+_PLAIN: Final = {
+    "1": 1,
+    "+1": 1,
+    "1.0": 1,
+    "true": 1,
+    "0": 0,
+    "0.0": 0,
+    "false": 0,
+    "-1": -1,
+    "-1.0": -1,
+}
 
 
 @final
@@ -34,8 +43,13 @@ def at_line(path: str | os.PathLike[str], line_number: int) -> Iterator[None]:
         raise InputError(f"{path}, line {line_number}: {error}") from error
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file with newlines as line ends.
+def split_lines(text: str) -> list[str]:
+    """Return the lines of a text, which may end with a newline, a carriage return or both."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def read_lines(path: str | os.PathLike[str]) -> list[str]:
+    """Return the lines of a text file.
 
     Raises
     ------
@@ -48,7 +62,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         raise InputError(f"{path}, line {line}: this is not UTF-8 text; convert the file first") from error
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    return split_lines(text)
 
 
 def number(text: str) -> float:
@@ -77,7 +91,7 @@ def positive_labels(labels: Sequence[str], positive: str | None, origin: str) ->
     Parameters
     ----------
     labels : sequence of str
-        1 or 0, 1 or -1, true or false, or any two others if ``positive`` is given.
+        1 (positive) or 0, 1 or -1, true or false, or any two others if ``positive`` is given.
     positive : str or None
         The label of positive bags.
     origin : str
@@ -100,13 +114,13 @@ def positive_labels(labels: Sequence[str], positive: str | None, origin: str) ->
                 f"{origin}: positive={positive!r} must be one of two labels, but the file has {listed}"
             )
         return np.array([label == positive for label in labels], dtype=np.bool_)
-    meanings = {label: label.strip().lower() for label in distinct}
-    negatives = {meaning for meaning in meanings.values() if meaning not in _POSITIVE}
-    if not negatives <= _NEGATIVE:
-        raise InputError(
-            f"{origin}: the labels are {listed}, not 0 and 1: say which one is positive, for instance "
-            f"positive={distinct[-1]!r}"
-        )
-    if len({meaning.removesuffix(".0") for meaning in negatives}) > 1:
+    values = {label: _PLAIN.get(label.strip().lower()) for label in distinct}
+    meanings = set(values.values())
+    if len(distinct) > 2 and (None in meanings or len(meanings) > 2):
         raise InputError(f"{origin}: there are more than two labels, {listed}: only two classes can be read")
-    return np.array([meanings[label] in _POSITIVE for label in labels], dtype=np.bool_)
+    if None in meanings or meanings == {0, -1}:
+        choices = " or ".join(f"positive={label!r}" for label in distinct)
+        raise InputError(
+            f"{origin}: it is ambiguous which of the labels {listed} is positive: give {choices}"
+        )
+    return np.array([values[label] == 1 for label in labels], dtype=np.bool_)
