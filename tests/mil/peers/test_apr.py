@@ -78,3 +78,16 @@ def test_a_narrow_box_from_a_large_epsilon() -> None:
     ]
 
     assert sizes[0] < sizes[1]
+
+
+def test_the_least_tau_and_epsilon_still_give_bounds() -> None:
+    # One positive instance per bag at 0 and 1. Kernels with 1e-6 of their mass within 1/2 of their middle are
+    # sigma = 1 / (2 * 1.2533e-6) = 3.99e5 wide, and 1/200 of the mass is beyond 2.576 sigma.
+    bags, y = [[[0.0]], [[1.0]], [[-9.0]]], [1, 1, 0]
+    wide = APRClassifier(tau=1e-6).fit(bags, y)
+
+    assert wide.upper_ == pytest.approx(2.5758 * 3.9894e5, rel=1e-4)
+    assert wide.lower_ == pytest.approx(1 - wide.upper_)
+    # Beyond 7.13 sigma of a kernel there are 5e-13, and sigma is 1 / (2 * 3.2905).
+    far = APRClassifier(epsilon=1e-12).fit(bags, y)
+    assert 1 < far.upper_[0] <= 1 + 7.14 / 6.581

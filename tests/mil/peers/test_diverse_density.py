@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +19,12 @@ from relforest.mil.peers.noisy_or import as_sample
 BAGS = squeezed()
 
 
+@functools.cache
+def learned(**options: Any) -> DiverseDensityClassifier:
+    """Fit to `BAGS`; for all tests, which must leave it as it is."""
+    return DiverseDensityClassifier(**options).fit(BAGS, Y)
+
+
 def fixed(center: float, scale: float) -> DiverseDensityClassifier:
     """A model of one feature with a hypothesis of our choice."""
     model = DiverseDensityClassifier().fit([[[0.0]], [[1.0]]], [0, 1])
@@ -26,13 +34,13 @@ def fixed(center: float, scale: float) -> DiverseDensityClassifier:
 
 def test_the_density_is_that_of_the_attributes() -> None:
     for scale in (True, False):
-        model = DiverseDensityClassifier(scale=scale).fit(BAGS, Y)
+        model = learned(scale=scale)
         expected = reference.negative_log_density(list(BAGS), Y == 1, model.center_, model.scales_)
         assert model.negative_log_density_ == pytest.approx(expected, rel=1e-6)
 
 
 def test_no_hypothesis_nearby_is_denser() -> None:
-    model = DiverseDensityClassifier(scale=False).fit(BAGS, Y)
+    model = learned(scale=False)
     rng = np.random.default_rng(0)
     for _ in range(20):
         center = model.center_ + 0.05 * rng.standard_normal(2)
@@ -60,6 +68,20 @@ def test_a_bag_may_be_positive_without_a_positive_instance() -> None:
     assert [bag.tolist() for bag in model.predict_instances([[x, x, x]])] == [[False] * 3]
 
 
+def test_instances_given_twice_count_twice() -> None:
+    # The noisy-or multiplies 1 - p over all instances, so that it is squared where each comes twice.
+    model = learned(scale=True)
+    once, twice = (model.decision_function(np.concatenate([BAGS] * times, axis=1)) for times in (1, 2))
+    np.testing.assert_allclose(expit(-twice), expit(-once) ** 2, rtol=1e-6)
+
+    # That moves the optimum: the hypothesis for instances that come twice explains them better.
+    doubled = np.concatenate([BAGS, BAGS], axis=1)
+    other = DiverseDensityClassifier().fit(doubled, Y)
+    here = reference.negative_log_density(list(doubled), Y == 1, model.center_, model.scales_)
+    assert other.negative_log_density_ < here
+    assert other.score(BAGS, Y) >= 0.96
+
+
 def test_far_instances_still_have_an_order() -> None:
     model = fixed(0.0, 1.0)
 
@@ -68,13 +90,13 @@ def test_far_instances_still_have_an_order() -> None:
 
 
 def test_climbing_all_starts_is_never_worse() -> None:
-    few, every = (DiverseDensityClassifier(refined=refined).fit(BAGS, Y) for refined in (1, None))
+    few, every = learned(refined=1), learned(refined=None)
 
     assert every.negative_log_density_ <= few.negative_log_density_ + 1e-6
 
 
 def test_more_starts_wanted_than_there_are() -> None:
-    many, every = (DiverseDensityClassifier(refined=refined).fit(BAGS, Y) for refined in (10_000, None))
+    many, every = learned(refined=10_000), learned(refined=None)
 
     assert many.center_.tolist() == every.center_.tolist()
 
@@ -106,6 +128,6 @@ def test_only_the_most_promising_starts_are_climbed_to_the_end() -> None:
 
 
 def test_a_limit_of_steps_holds() -> None:
-    short, long = (DiverseDensityClassifier(max_steps=steps).fit(BAGS, Y) for steps in (1, 500))
+    short, long = learned(max_steps=1), learned(scale=True)
 
     assert long.negative_log_density_ < short.negative_log_density_

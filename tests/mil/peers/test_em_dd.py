@@ -12,7 +12,7 @@ from scipy.special import expit
 from mil.peers.learnable import Y, squeezed
 from reference import peers as reference
 from relforest.mil.peers import EMDDClassifier
-from relforest.mil.peers.em_dd import alternate, count_mistakes, witnesses
+from relforest.mil.peers.em_dd import count_mistakes, improve_by_rounds, witnesses
 from relforest.mil.peers.noisy_or import as_sample
 
 BAGS = squeezed()
@@ -44,7 +44,7 @@ def test_the_plain_twin_alternates_to_the_same(start: int) -> None:
     hypothesis = np.array([bags[start, 0], [1.0, 1.0]])
     expected, center, scales = reference.alternate(list(bags), positive, bags[start, 0])
     sample = as_sample(bags.reshape(-1, 2), np.arange(0, 91, 3), positive)
-    value = alternate(sample, hypothesis, 500, np.empty(90))
+    value = improve_by_rounds(sample, hypothesis, 500, np.empty(90))
 
     assert value == pytest.approx(expected, rel=1e-3)
     np.testing.assert_allclose(hypothesis[0], center, atol=0.02)

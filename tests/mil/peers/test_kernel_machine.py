@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 from sklearn.svm import SVC
 
@@ -18,7 +16,6 @@ from relforest.mil.peers.kernel_machine import (
     KernelProblem,
     SolverSettings,
     radial_kernel,
-    squared_distances,
 )
 from relforest.support.errors import InputError
 
@@ -42,20 +39,9 @@ def test_kernel_values_by_hand() -> None:
     # Squared distances from (0, 0) and (3, 4) to (0, 0) and (0, 4).
     a, b = np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([[0.0, 0.0], [0.0, 4.0]])
 
-    assert squared_distances(a, b).tolist() == [[0, 16], [25, 9]]
     expected = [[1, math.exp(-1.6)], [math.exp(-2.5), math.exp(-0.9)]]
     np.testing.assert_allclose(radial_kernel(a, b, 0.1), expected)
     assert radial_kernel(a * 1e25, b, 1e300)[1].tolist() == [0, 0]
-
-
-@given(st.integers(0, 100), st.integers(1, 6), st.integers(1, 4))
-def test_squared_distances_agree_with_a_loop(seed: int, n: int, d: int) -> None:
-    rng = np.random.default_rng(seed)
-    a, b = rng.normal(size=(n, d)), rng.normal(size=(3, d))
-
-    np.testing.assert_allclose(
-        squared_distances(a, b), [[np.sum((x - y) ** 2) for y in b] for x in a], atol=1e-12
-    )
 
 
 def test_a_machine_adds_up_its_support_vectors(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from typing import Any
@@ -41,13 +42,19 @@ SCALED = ["ball", "box, scaled", "density", "EM"]
 ALL = pytest.mark.parametrize("peer", PEERS)
 
 
-def fitted(peer: str, bags: Any = BAGS, y: Any = Y) -> Any:
+def fitted(peer: str, bags: Any, y: Any = Y) -> Any:
     return clone(PEERS[peer]).fit(bags, y)
+
+
+@functools.cache
+def learned(peer: str) -> Any:
+    """Fit to `BAGS`; for all tests, which must leave it as it is."""
+    return fitted(peer, BAGS)
 
 
 @ALL
 def test_it_learns_the_concept(peer: str) -> None:
-    model = fitted(peer)
+    model = learned(peer)
 
     assert model.score(BAGS, Y) >= 0.96
     assert model.score(TEST, Y) >= 0.85
@@ -63,7 +70,7 @@ def test_the_order_of_bags_and_instances_does_not_matter(peer: str) -> None:
     rng = np.random.default_rng(3)
     shuffled = rng.permutation(N_BAGS)
     bags = [rng.permutation(BAGS[bag]) for bag in shuffled]
-    expected, model = fitted(peer), fitted(peer, bags, Y[shuffled])
+    expected, model = learned(peer), fitted(peer, bags, Y[shuffled])
 
     np.testing.assert_allclose(
         model.decision_function(TEST), expected.decision_function(TEST), rtol=1e-4, atol=1e-4
@@ -76,7 +83,7 @@ def test_the_origin_does_not_matter(peer: str) -> None:
 
     np.testing.assert_allclose(
         model.decision_function(TEST + np.array([100.0, -30.0])),
-        fitted(peer).decision_function(TEST),
+        learned(peer).decision_function(TEST),
         rtol=1e-3,
         atol=1e-3,
     )
@@ -88,22 +95,28 @@ def test_units_do_not_matter_where_features_are_scaled(peer: str) -> None:
     model = fitted(peer, BAGS * units)
 
     np.testing.assert_allclose(
-        model.decision_function(TEST * units), fitted(peer).decision_function(TEST), rtol=1e-3, atol=1e-3
+        model.decision_function(TEST * units), learned(peer).decision_function(TEST), rtol=1e-3, atol=1e-3
+    )
+
+
+# Not the diverse density, whose noisy-or counts every instance; see its own tests.
+@pytest.mark.parametrize("peer", [name for name in PEERS if not name.startswith("density")])
+def test_instances_given_twice_change_nothing(peer: str) -> None:
+    model = fitted(peer, np.concatenate([BAGS, BAGS], axis=1))
+
+    np.testing.assert_allclose(
+        model.decision_function(np.concatenate([TEST, TEST], axis=1)),
+        learned(peer).decision_function(TEST),
+        rtol=1e-9,
+        atol=1e-9,
     )
 
 
 @ALL
-def test_instances_given_twice_change_nothing_that_is_found_by_geometry(peer: str) -> None:
-    model = fitted(peer, np.concatenate([BAGS, BAGS]), np.concatenate([Y, Y]))
-
-    assert model.score(TEST, Y) >= 0.85
-
-
-@ALL
 def test_fitting_again_gives_the_same(peer: str) -> None:
-    first, second = fitted(peer).decision_function(TEST), fitted(peer).decision_function(TEST)
+    first, second = learned(peer), fitted(peer, BAGS)
 
-    assert first.tolist() == second.tolist()
+    assert first.decision_function(TEST).tolist() == second.decision_function(TEST).tolist()
 
 
 @ALL
@@ -115,7 +128,7 @@ def test_features_constant_in_training_do_not_matter(peer: str) -> None:
     if peer == "ball, own units":
         assert (scores < 0).all()  # its distances count every feature
     else:
-        np.testing.assert_allclose(scores, fitted(peer).decision_function(TEST), rtol=1e-4, atol=1e-4)
+        np.testing.assert_allclose(scores, learned(peer).decision_function(TEST), rtol=1e-4, atol=1e-4)
 
 
 @ALL
@@ -148,7 +161,7 @@ def test_scores_stay_finite_at_extreme_units(peer: str, factor: float) -> None:
     scores = fitted(peer, BAGS * factor).decision_function(TEST * factor)
 
     assert np.isfinite(scores).all()
-    assert np.isfinite(fitted(peer).decision_function(TEST + 9e29)).all()
+    assert np.isfinite(learned(peer).decision_function(TEST + 9e29)).all()
 
 
 @ALL
@@ -168,8 +181,8 @@ def test_an_instance_far_out_in_each_class_is_survived(peer: str) -> None:
         ([[[0.0]], [[0.0, 1.0]]], [0, 1], "bag 1 has points of 2 components, but bag 0 of 1"),
         ([[[0.0]], [[np.nan]]], [0, 1], "Input X contains NaN or infinity: bag 1, row 0, component 0"),
         ([[[0.0]], [[np.inf]]], [0, 1], "Input X contains NaN or infinity"),
-        ([[[0.0]], [[1e31]]], [0, 1], "bags hold values beyond 1e+30: use other units"),
-        ([[[0.0]], [[-1e31]]], [0, 1], "bags hold values beyond 1e+30: use other units"),
+        ([[[0.0]], [[1e31]]], [0, 1], "values beyond 1e+30: use other units"),
+        ([[[0.0]], [[-1e31]]], [0, 1], "values beyond 1e+30: use other units"),
         (np.zeros((1, 1)), [1], "labels of 2 classes are needed, but 1 bags have only 1 class: 1"),
         (np.zeros((2, 1)), [1, 1], "labels of 2 classes are needed, but 2 bags have only 1 class: 1"),
         (np.zeros((3, 1)), [0, 1, 2], "Only binary classification is supported"),
@@ -182,7 +195,7 @@ def test_bad_bags_and_labels_are_refused(peer: str, bags: Any, y: Any, message: 
 
 @ALL
 def test_bad_bags_to_predict_are_refused(peer: str) -> None:
-    model = fitted(peer)
+    model = learned(peer)
 
     with pytest.raises(NotFittedError):
         clone(model).predict(BAGS)
@@ -198,8 +211,10 @@ def test_bad_bags_to_predict_are_refused(peer: str) -> None:
     ("model", "message"),
     [
         (APRClassifier(margin=-1.0), "margin must be a finite number of at least 0, got -1.0"),
-        (APRClassifier(tau=1.0), "tau must be a number above 0 and below 1, got 1.0"),
-        (APRClassifier(epsilon=0), "epsilon must be a number above 0 and below 1, got 0"),
+        (APRClassifier(tau=1.0), "tau must be a number of at least 1e-06 and below 1, got 1.0"),
+        (APRClassifier(tau=1e-17), "tau must be a number of at least 1e-06 and below 1, got 1e-17"),
+        (APRClassifier(epsilon=0), "epsilon must be a number of at least 1e-12 and below 1, got 0"),
+        (APRClassifier(epsilon=5e-324), "epsilon must be a number of at least 1e-12 and below 1, got 5e-324"),
         (DiverseDensityClassifier(refined=0), "refined must be an integer of at least 1, got 0"),
         (DiverseDensityClassifier(max_steps=0), "max_steps must be an integer of at least 1, got 0"),
         (EMDDClassifier(start_bags=0), "start_bags must be an integer of at least 1, got 0"),

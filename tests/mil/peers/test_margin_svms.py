@@ -124,6 +124,24 @@ def test_neither_order_nor_place_matters(kind: Machine, seed: int) -> None:
 
 
 @each_machine
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_instances_given_twice(kind: Machine, seed: int) -> None:
+    # gamma is given, since the heuristic one would count the distances between equal instances.
+    bags, y = drawn(seed)
+    expected = kind(gamma=0.3, tol=1e-6).fit(bags, y).decision_function(bags)
+    # The single-instance machine and mi-SVM share C out among instances: twice as many at half the price.
+    # MI-SVM shares it out among bags, and every negative instance has its price, so that twice as many weigh
+    # more: only those of positive bags may come twice, where the mean and the witness stay.
+    if kind is BagMarginSVMClassifier:
+        doubled = [np.repeat(bag, 1 + label, axis=0) for bag, label in zip(bags, y, strict=True)]
+    else:
+        doubled = [np.repeat(bag, 2, axis=0) for bag in bags]
+
+    scores = kind(gamma=0.3, tol=1e-6).fit(doubled, y).decision_function(bags)
+    np.testing.assert_allclose(scores, expected, atol=1e-3)
+
+
+@each_machine
 def test_storing_kernel_values_changes_nothing(kind: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     bags, y = drawn()
     stored = kind(tol=1e-6).fit(bags, y)

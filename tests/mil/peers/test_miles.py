@@ -14,7 +14,7 @@ from sklearn.svm import LinearSVC
 from relforest.datasets import disjunctive
 from relforest.metrics import peirce_skill_score
 from relforest.mil.peers import MILESClassifier, miles
-from relforest.mil.peers.miles import nearness
+from relforest.mil.peers.miles import embed
 from relforest.scenes.bags import as_bags
 from relforest.support.errors import InputError
 
@@ -29,7 +29,7 @@ def drawn(seed: int = 0) -> tuple[list[Floats], NDArray[np.int64]]:
     return [bag[:-1] if i % 3 == 0 else bag for i, bag in enumerate(bags)], bag_set.labels.astype(np.int64)
 
 
-def slow_nearness(bags: list[Floats], prototypes: Floats, gamma: float) -> Floats:
+def slow_embed(bags: list[Floats], prototypes: Floats, gamma: float) -> Floats:
     return np.array(
         [[max(np.exp(-gamma * np.sum((x - p) ** 2)) for x in bag) for p in prototypes] for bag in bags]
     )
@@ -41,8 +41,8 @@ def test_features_agree_with_a_loop(seed: int, gamma: float, sizes: list[int]) -
     bags = [rng.normal(size=(size, 2)) for size in sizes]
     prototypes = rng.normal(size=(3, 2))
 
-    found = nearness(as_bags(bags), prototypes, gamma)
-    np.testing.assert_allclose(found, slow_nearness(bags, prototypes, gamma), atol=1e-12)
+    found = embed(as_bags(bags), prototypes, gamma)
+    np.testing.assert_allclose(found, slow_embed(bags, prototypes, gamma), atol=1e-12)
 
 
 def test_features_come_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,8 +50,8 @@ def test_features_come_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     prototypes = np.concatenate(bags)[:7]
     monkeypatch.setattr(miles, "_BLOCK", 1)
 
-    found = nearness(as_bags(bags), prototypes, 0.5)
-    np.testing.assert_allclose(found, slow_nearness(bags, prototypes, 0.5), atol=1e-12)
+    found = embed(as_bags(bags), prototypes, 0.5)
+    np.testing.assert_allclose(found, slow_embed(bags, prototypes, 0.5), atol=1e-12)
 
 
 @pytest.mark.parametrize("intercept", [False, True])
@@ -59,7 +59,7 @@ def test_the_machine_is_a_sparse_linear_one_on_the_features(*, intercept: bool) 
     bags, y = drawn()
     options = {**PRECISE, "fit_intercept": intercept, "random_state": 0}
     model = MILESClassifier(**options).fit(bags, y)
-    features = slow_nearness(bags, np.unique(np.concatenate(bags), axis=0), model.gamma_)
+    features = slow_embed(bags, np.unique(np.concatenate(bags), axis=0), model.gamma_)
     expected = LinearSVC(penalty="l1", loss="squared_hinge", dual=False, **options).fit(features, y)
 
     assert model.converged_

@@ -18,9 +18,9 @@ from relforest.mil.peers.noisy_or import (
     Sample,
     as_sample,
     bag_log_odds,
+    fill_squared_distances,
     instance_log_odds,
     negative_log_density,
-    squared_distances,
 )
 
 Floats = NDArray[np.float64]
@@ -122,7 +122,7 @@ def test_many_certain_instances_of_a_negative_bag_do_not_underflow() -> None:
 
 def test_distances_worked_by_hand() -> None:
     squared = np.empty(2)
-    squared_distances(np.array([[0.0, 1.0], [5.0, 7.0]]), np.array([[1.0, 5.0], [2.0, -3.0]]), squared)
+    fill_squared_distances(np.array([[0.0, 1.0], [5.0, 7.0]]), np.array([[1.0, 5.0], [2.0, -3.0]]), squared)
 
     # 4 * 1 + 9 * 0, 4 * 0 + 9 * 4
     assert squared.tolist() == [4.0, 36.0]

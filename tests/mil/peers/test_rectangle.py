@@ -31,13 +31,16 @@ def test_a_box_grown_by_hand() -> None:
 
 
 def test_backfitting_revises_a_choice() -> None:
-    # Medians: bag 0 {3, 7}, bag 1 {4}, bag 2 {10}. Least maximum 4, greatest minimum 10: centre 7, so that
-    # bag 0 begins with 7. Adding 10 and 4 (3 each): [4, 10] holds 7, and 3 would enlarge it: 7 stays.
-    assert grown([np.array([[3.0], [7.0]]), np.array([[4.0]]), np.array([[10.0]])]) == [1, 0, 0]
-    # The seed is (5, 5) again, but with the points of the other bags at (0, 1) and (1, 0) the other
-    # instance, (1, 1), makes the box smaller: size 2 instead of 10.
-    bags = [np.array([[5.0, 5.0], [1.0, 1.0]]), np.array([[0.0, 1.0], [9.0, 9.0]]), np.array([[1.0, 0.0]])]
-    assert grown(bags) == [1, 0, 0]
+    # Bag 0 {(4, 3), (9, 0)}, bag 1 (0, 0), bag 2 (8, 0). Least maxima (0, 0), greatest minima (8, 0): the
+    # centre is (4, 0). (4, 3), 3 away, is the nearest and begins. (0, 0) enlarges the box by 4 + 3, (8, 0)
+    # also: bag 1 is added first, and with it alone (4, 3), of size 7, remains better than (9, 0), of size 9.
+    # Then bag 2 is added. Around (0, 0) and (8, 0), (4, 3) enlarges the box by 3, but (9, 0) only by 1: bag 0
+    # changes to it. Without backfitting it would keep row 0.
+    assert grown([np.array([[4.0, 3.0], [9.0, 0.0]]), np.array([[0.0, 0.0]]), np.array([[8.0, 0.0]])]) == [
+        1,
+        0,
+        0,
+    ]
 
 
 @given(st.integers(0, 2**32 - 1))

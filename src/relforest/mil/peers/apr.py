@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.mil.peers.rectangle import discriminating, expansion, grow
-from relforest.mil.scaling import check_magnitude, feature_units
+from relforest.mil.scaling import feature_units
 from relforest.support.options import in_range
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes.bags import Bags
+
+# Kernels are as wide as 1 / tau: far below this, where 1 + tau is 1, they would be infinitely wide.
+_LEAST_TAU: Final = 1e-6
+_LEAST_EPSILON: Final = 1e-12
 
 
 @final
@@ -36,10 +40,11 @@ class APRClassifier(InstanceClassifier):
         deviations of the features.
     tau : float, default 0.999
         Fixes the width of the kernels by which the bounds are moved: part of the mass of a kernel in the
-        middle of the box that lies inside. Less makes the box larger.
+        middle of the box that lies inside, from 1e-6 on and below 1. Less makes the box larger, about
+        two million times at 1e-6.
     epsilon : float, default 0.01
         Part of the estimated density of the positive instances that the box may leave outside, along each
-        feature. Less makes the box larger.
+        feature, from 1e-12 on and below 1. Less makes the box larger.
 
     Attributes
     ----------
@@ -99,8 +104,8 @@ class APRClassifier(InstanceClassifier):
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         margin = in_range("margin", self.margin, 0.0, math.inf, open_high=True)
-        tau = in_range("tau", self.tau, 0.0, 1.0, open_low=True, open_high=True)
-        epsilon = in_range("epsilon", self.epsilon, 0.0, 1.0, open_low=True, open_high=True)
+        tau = in_range("tau", self.tau, _LEAST_TAU, 1.0, open_high=True)
+        epsilon = in_range("epsilon", self.epsilon, _LEAST_EPSILON, 1.0, open_high=True)
         units = feature_units(bags.points, "deviation")
         self.scales_ = units.factors if self.scale else np.ones(bags.dim)
         in_positive = np.repeat(positive, bags.counts)
@@ -120,7 +125,6 @@ class APRClassifier(InstanceClassifier):
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance from the nearest bound, negative outside."""
-        check_magnitude(points)
         if not len(self.features_):
             return np.zeros(len(points))
         values = points[:, self.features_]

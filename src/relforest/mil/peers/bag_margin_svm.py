@@ -68,6 +68,9 @@ class BagMarginSVMClassifier(InstanceClassifier):
     one: on the set Disjunctive of Palmer (2015), the mean Peirce skill score is 0.24 with the default `tol`
     and 0.41 with 1e-6, which takes ten times as long.
 
+    Fit machines at the same time in several processes, not threads: LIBSVM's warning that it did not
+    converge is filtered out meanwhile, and Python's filters of warnings belong to all threads.
+
     References
     ----------
     Andrews, Tsochantaridis and Hofmann (2002), Support vector machines for multiple-instance learning,

@@ -8,7 +8,7 @@ import numpy as np
 
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.mil.peers.hypotheses import Hypothesis, search_space
-from relforest.mil.peers.noisy_or import CERTAINTY, Sample, instance_log_odds, squared_distances
+from relforest.mil.peers.noisy_or import CERTAINTY, Sample, fill_squared_distances, instance_log_odds
 from relforest.mil.peers.quasi_newton import descend
 from relforest.support.jit import kernel
 from relforest.support.options import at_least
@@ -145,7 +145,7 @@ def most_convincing(
     squared = np.empty(len(sample.points))
     for start in starts:
         hypothesis = start.copy()
-        value = alternate(sample, hypothesis, max_steps, squared)
+        value = improve_by_rounds(sample, hypothesis, max_steps, squared)
         mistakes = count_mistakes(sample, hypothesis, squared)
         if mistakes < fewest or (mistakes == fewest and value < best_value):
             best, best_value, fewest = hypothesis, value, mistakes
@@ -153,7 +153,7 @@ def most_convincing(
 
 
 @kernel
-def alternate(
+def improve_by_rounds(
     sample: Sample, hypothesis: NDArray[np.float64], max_steps: int, squared: NDArray[np.float64]
 ) -> float:
     """Improve a hypothesis (2, d) in place by rounds of EM; its negative log density.
@@ -184,7 +184,7 @@ def witnesses(
     sample: Sample, hypothesis: NDArray[np.float64], squared: NDArray[np.float64]
 ) -> NDArray[np.int64]:
     """Most probable point of each bag, (n_bags,), the first one of equals; `squared` (n,) is work space."""
-    squared_distances(sample.columns, hypothesis, squared)
+    fill_squared_distances(sample.columns, hypothesis, squared)
     chosen = np.empty(len(sample.positive), dtype=np.int64)
     for bag in range(len(chosen)):
         first = sample.starts[bag]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.peers.noisy_or import Sample, as_sample, squared_distances
-from relforest.mil.scaling import check_magnitude, feature_units
+from relforest.mil.peers.noisy_or import Sample, as_sample, fill_squared_distances
+from relforest.mil.scaling import feature_units
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,16 +32,9 @@ class Hypothesis:
     scales: NDArray[np.float64]
 
     def squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Squared distances D^2 of points (n, d), (n,).
-
-        Raises
-        ------
-        InputError
-            If a value is beyond 1e30.
-        """
-        check_magnitude(points)
+        """Squared distances D^2 of points (n, d), (n,)."""
         squared = np.empty(len(points))
-        squared_distances(np.ascontiguousarray(points.T), np.stack([self.center, self.scales]), squared)
+        fill_squared_distances(np.ascontiguousarray(points.T), np.stack([self.center, self.scales]), squared)
         return squared
 
 
@@ -78,13 +71,7 @@ class Search:
 
 
 def search_space(bags: Bags, positive: NDArray[np.bool_], *, scale: bool) -> Search:
-    """Prepare labelled bags, with features divided by their standard deviations if `scale` is true.
-
-    Raises
-    ------
-    InputError
-        If a value is beyond 1e30.
-    """
+    """Prepare labelled bags, with features divided by their standard deviations if `scale` is true."""
     units = feature_units(bags.points, "standard")
     varies = units.width > 0.0
     shift = np.where(varies, units.shift, bags.points[0])

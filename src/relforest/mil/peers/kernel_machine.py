@@ -14,6 +14,7 @@ import numpy as np
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.svm import SVC
 
+from relforest.mil.squared_distances import squared_distances
 from relforest.support.options import at_least, in_range
 
 if TYPE_CHECKING:
@@ -155,7 +156,7 @@ class KernelProblem:
             cache_size=_CACHE_SIZE,
         )
         with warnings.catch_warnings():
-            # Said by `converged` instead.
+            # Said by `converged` instead. Not safe in threads, but SVC has no switch for its warning.
             warnings.simplefilter("ignore", ConvergenceWarning)
             solver.fit(self._kernel if stored else self._centered, positive)
         rows = solver.support_.astype(np.int64)
@@ -183,18 +184,3 @@ def radial_kernel(a: NDArray[np.float64], b: NDArray[np.float64], gamma: float) 
     with np.errstate(over="ignore"):
         values *= -gamma
     return np.exp(values, out=values)
-
-
-def squared_distances(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return |x - y|^2 for all x of `a` (n, d) and y of `b` (k, d): (n, k).
-
-    Notes
-    -----
-    By |x|^2 + |y|^2 - 2 x.y, which is fast and exact to a few units of the last digit of the largest |x|^2;
-    pass points whose mean is near the origin.
-    """
-    values = a @ b.T
-    values *= -2.0
-    values += np.einsum("ij,ij->i", a, a)[:, np.newaxis]
-    values += np.einsum("ij,ij->i", b, b)
-    return np.maximum(values, 0.0, out=values)

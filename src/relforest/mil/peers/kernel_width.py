@@ -18,8 +18,6 @@ HEURISTIC: Final = "heuristic"
 # 4.5 million distances, 36 MB.
 MOST_POINTS: Final = 3000
 _PERCENTILES: Final = (10, 90)
-# Their squares, summed over any number of components, stay far from overflow.
-_LARGEST_VALUE: Final = 1e30
 
 
 def kernel_gamma(points: NDArray[np.float64], gamma: object, factor: object) -> float:
@@ -37,17 +35,12 @@ def kernel_gamma(points: NDArray[np.float64], gamma: object, factor: object) -> 
     Raises
     ------
     InputError
-        If `gamma` is neither of the two or `factor` no positive number, if a value is beyond 1e30, or if the
-        product is too large or too small for a floating point number.
+        If `gamma` is neither of the two, `factor` no positive number, or the product too large or too small
+        for a floating point number.
     """
     factor = in_range("gamma_factor", factor, 0.0, math.inf, open_low=True, open_high=True)
     if isinstance(gamma, str) and gamma != HEURISTIC:
         raise InputError(f"gamma must be {HEURISTIC!r} or a finite number above 0, got {gamma!r}")
-    largest = float(np.abs(points).max())
-    if largest > _LARGEST_VALUE:
-        raise InputError(
-            f"values beyond {_LARGEST_VALUE:g} (here {largest:g}) are too large: scale the features"
-        )
     if isinstance(gamma, str):
         base = heuristic_gamma(points)
     else:

@@ -1,4 +1,4 @@
-"""MILES: bags described by their nearness to every training instance, and a sparse linear machine on that."""
+"""MILES: bags described by similarity to every training instance, and a sparse linear machine on that."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.svm import LinearSVC
 
 from relforest.mil.bag_classifier import BagClassifier
-from relforest.mil.peers.kernel_machine import squared_distances
 from relforest.mil.peers.kernel_width import kernel_gamma
+from relforest.mil.squared_distances import squared_distances
 from relforest.scenes.bags import Bags
 from relforest.support.options import at_least, in_range
 from relforest.support.rng import RandomState, generator, seed_sequence
@@ -55,7 +55,7 @@ class MILESClassifier(BagClassifier):
     prototypes_ : ndarray (k, d)
         The distinct training instances whose weight is not 0.
     coef_ : ndarray (k,)
-        Their weights: positive where nearness speaks for a positive bag.
+        Their weights: positive where similarity speaks for a positive bag.
     intercept_ : float
         0 without `fit_intercept`.
     gamma_ : float
@@ -73,6 +73,12 @@ class MILESClassifier(BagClassifier):
     -----
     With the default C and classes that overlap, LIBLINEAR needs up to some 35 000 passes. A larger `max_iter`
     lets it make them, for slightly lower scores where we looked: 0.29 instead of 0.31 on Covariant 1.
+
+    Where C is so small that all weights are 0, there is no prototype and every score is `intercept_`: without
+    `fit_intercept` it is 0, and every bag is positive.
+
+    Fit machines at the same time in several processes, not threads: LIBLINEAR's warning that it did not
+    converge is filtered out meanwhile, and Python's filters of warnings belong to all threads.
 
     References
     ----------
@@ -125,11 +131,11 @@ class MILESClassifier(BagClassifier):
         )
         gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
         with warnings.catch_warnings():
-            # Said by `converged_` instead.
+            # Said by `converged_` instead. Not safe in threads, but LinearSVC has no switch for its warning.
             warnings.simplefilter("ignore", ConvergenceWarning)
             # In lexical order, so that the order of bags and instances does not matter.
             instances = np.unique(bags.points, axis=0)
-            solver.fit(nearness(bags, instances, gamma), positive)
+            solver.fit(embed(bags, instances, gamma), positive)
         weights = solver.coef_[0]
         used = weights != 0.0
         self.prototypes_, self.coef_ = instances[used], weights[used]
@@ -142,13 +148,13 @@ class MILESClassifier(BagClassifier):
         if not len(self.prototypes_):
             return np.full(len(bags), self.intercept_)
         scores: NDArray[np.float64] = (
-            nearness(bags, self.prototypes_, self.gamma_) @ self.coef_ + self.intercept_
+            embed(bags, self.prototypes_, self.gamma_) @ self.coef_ + self.intercept_
         )
         return scores
 
 
-def nearness(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
-    """Return ``max_j exp(-gamma |x_j - p|^2)`` for every bag and prototype p, (n_bags, n_prototypes).
+def embed(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
+    """Describe each bag by ``max_j exp(-gamma |x_j - p|^2)`` for every prototype p: (n_bags, n_prototypes).
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def as_sample(points: NDArray[np.float64], starts: NDArray[np.int64], positive: 
 
 
 @kernel
-def squared_distances(
+def fill_squared_distances(
     columns: NDArray[np.float64], hypothesis: NDArray[np.float64], out: NDArray[np.float64]
 ) -> None:
     """Write D^2 of the points in `columns` (d, n) into `out` (n,)."""
@@ -85,7 +85,7 @@ def negative_log_density(
     float
         At least 0; finite wherever the squared distances are.
     """
-    squared_distances(sample.columns, hypothesis, slopes)
+    fill_squared_distances(sample.columns, hypothesis, slopes)
     total = 0.0
     for bag in range(len(sample.positive)):
         members = slopes[sample.starts[bag] : sample.starts[bag + 1]]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, final
 import numpy as np
 
 from relforest.mil.bag_classifier import InstanceClassifier
-from relforest.mil.scaling import check_magnitude, feature_units
+from relforest.mil.scaling import feature_units
 from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
@@ -98,7 +98,6 @@ class OptimalBallClassifier(InstanceClassifier):
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Radius minus distance from the centre."""
-        check_magnitude(points)
         distances: NDArray[np.float64] = np.linalg.norm(self.scales_ * (points - self.center_), axis=1)
         return self.radius_ - distances
 

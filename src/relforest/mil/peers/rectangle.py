@@ -202,7 +202,7 @@ def expansion(values: NDArray[np.float64], tau: float, epsilon: float) -> NDArra
     values : ndarray (n_bags, d)
         The chosen points.
     tau, epsilon : float
-        Between 0 and 1.
+        Between 0 and 1; not so small that 1 + tau is rounded to 1 or epsilon / 2 to 0.
 
     Returns
     -------

@@ -1,0 +1,37 @@
+"""Squared distances between all points of two sets, by one product of matrices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["squared_distances"]
+
+
+def squared_distances(points: NDArray[np.float64], centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the squared distance of every point from every centre.
+
+    Parameters
+    ----------
+    points : ndarray (n, d)
+    centres : ndarray (k, d)
+
+    Returns
+    -------
+    ndarray (n, k)
+        At least 0, also where rounding would leave less.
+
+    Notes
+    -----
+    By |x|^2 + |c|^2 - 2 x.c, which is fast and exact to a few units of the last digit of the largest |x|^2;
+    pass points whose mean is near the origin.
+    """
+    values = points @ centres.T
+    values *= -2.0
+    values += np.einsum("ij,ij->i", points, points)[:, np.newaxis]
+    values += np.einsum("ij,ij->i", centres, centres)
+    return np.maximum(values, 0.0, out=values)
