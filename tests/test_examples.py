@@ -48,3 +48,15 @@ def test_the_recipe_for_a_derived_attribute_gives_what_it_says(capsys: pytest.Ca
     exec(compile(code, "extending.md", "exec"), {})  # noqa: S102 - our own documentation
     shown = re.findall(r"#\s+(\[.*\])", code)
     assert capsys.readouterr().out.split() == shown[0].split()
+
+
+def test_the_page_on_bags_shows_what_its_code_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (ROOT / "docs" / "multiple-instance-learning.md").read_text(encoding="utf-8")
+    pairs = re.findall(r"```python\n(.*?)```\n\n```\n(.*?)```", text, re.DOTALL)
+    # Published data sets may not be at hand.
+    own = [(code, output) for code, output in pairs if "fetch_" not in code]
+    variables: dict[str, object] = {}
+    for code, output in own:
+        exec(compile(code, "multiple-instance-learning.md", "exec"), variables)  # noqa: S102 - our own
+        assert capsys.readouterr().out == output
+    assert len(own) == 2

@@ -180,6 +180,33 @@ def test_bags_of_different_sizes() -> None:
     assert model.predict(bags).tolist() == [1, 1, 0]
 
 
+def test_constant_features_change_nothing() -> None:
+    padded = np.concatenate([np.full((N_BAGS, SIZE, 1), 7.0), BAGS, np.zeros((N_BAGS, SIZE, 2))], axis=2)
+    model, expected = fitted(padded), fitted()
+
+    assert model.predict(padded).tolist() == expected.predict(BAGS).tolist()
+    np.testing.assert_allclose(model.volume_.mean, [7, *expected.volume_.mean, 0, 0], rtol=1e-9)
+
+
+def test_duplicate_instances_change_nothing_but_the_prior() -> None:
+    # The prior is the spread of all points divided by their number, and twice each point has the same.
+    model = fitted(np.concatenate([BAGS, BAGS], axis=1))
+
+    np.testing.assert_allclose(model.volume_.mean, fitted().volume_.mean)
+    np.testing.assert_allclose(model.volume_.covariance, fitted().volume_.covariance)
+
+
+def test_many_more_features_than_bags() -> None:
+    rng = np.random.default_rng(0)
+    bags = rng.standard_normal((N_BAGS, 2, 1500))
+    bags[Y == 1, 0, :100] += 2.0
+    model = fitted(bags)
+
+    assert model.score(bags, Y) >= 0.9
+    covariance = model.volume_.covariance
+    assert (covariance == covariance.T).all()
+
+
 def test_the_same_seed_gives_the_same_volume() -> None:
     assert fitted().volume_.to_dict() == fitted().volume_.to_dict()
     sequence = np.random.SeedSequence(0)
@@ -270,6 +297,8 @@ def test_prediction_needs_a_fitted_model_and_points_of_its_space(method: str) ->
         getattr(fitted(), method)(np.zeros((4, 3)))
     with pytest.raises(InputError, match="contains NaN or infinity"):
         getattr(fitted(), method)([[[np.nan, 0.0]]])
+    with pytest.raises(InputError, match=r"values beyond 1e.30"):
+        getattr(fitted(), method)([[[4.0, 4.0], [1e200, 0.0]]])
 
 
 def test_a_search_without_result_is_a_fault_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:

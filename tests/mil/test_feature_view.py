@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from relforest.mil.feature_view import FeatureView, principal_view, scaled_view
-from relforest.support.errors import InputError
 
 
 def test_features_are_centred_and_scaled_and_constant_ones_left_out() -> None:
@@ -31,9 +30,12 @@ def test_one_feature_remains_if_none_varies() -> None:
     assert view.coordinates(np.full((1, 2), 8.0)).tolist() == [[0.0]]
 
 
-def test_huge_values_are_refused() -> None:
-    with pytest.raises(InputError, match=r"values beyond 1e.30"):
-        scaled_view(np.array([[1e31], [0.0]]))
+def test_a_feature_far_from_0_counts_as_one_that_is_not() -> None:
+    # Such as seconds since 1970: two thirds of a second are 4e-10 of the values, but no rounding.
+    times = 1.7e9 + np.array([0.0, 0.5, 1.0, 1.5])
+    view = scaled_view(times[:, None])
+
+    np.testing.assert_allclose(view.coordinates(times[:, None])[:, 0], np.array([-3, -1, 1, 3]) / np.sqrt(5))
 
 
 def test_a_rotated_view_and_its_inverse() -> None:

@@ -35,12 +35,32 @@ def test_the_units_of_a_panel_do_not_matter() -> None:
     assert other == pytest.approx(intercept, abs=1e-3)
 
 
-def test_equal_scores_get_equal_weights() -> None:
+@pytest.mark.parametrize("offset", [-0.3, 1e4])
+def test_a_constant_added_to_a_panel_changes_only_the_intercept(offset: float) -> None:
+    scores = np.column_stack([SIGN + NOISE[:, 0], SIGN + 2.0 * NOISE[:, 1]])
+    weights, intercept = panel_weights(scores, POSITIVE)
+    same, other = panel_weights(scores + np.array([offset, 0.0]), POSITIVE)
+
+    np.testing.assert_allclose(same, weights, rtol=1e-6)
+    assert other + offset * same[0] == pytest.approx(intercept, abs=1e-6)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.3, -7e3])
+def test_equal_scores_get_equal_weights(value: float) -> None:
     # All the same for every bag: the data say nothing, and the pull alone decides.
-    weights, intercept = panel_weights(np.zeros((200, 4)), POSITIVE)
+    weights, intercept = panel_weights(np.full((200, 4), value), POSITIVE)
 
     np.testing.assert_allclose(weights, 0.25)
-    assert intercept == pytest.approx(0.0, abs=1e-6)
+    assert intercept == pytest.approx(-value, abs=1e-6)
+
+
+def test_a_panel_of_equal_scores_leaves_the_others_as_they_are() -> None:
+    good = SIGN + 0.8 * NOISE[:, 0]
+    rounded = 0.3 + 1e-15 * NOISE[:, 1]
+    weights, _ = panel_weights(np.column_stack([good, rounded]), POSITIVE)
+    expected, _ = panel_weights(np.column_stack([good, np.zeros(200)]), POSITIVE)
+
+    np.testing.assert_allclose(weights[0], expected[0], rtol=1e-6)
 
 
 def test_the_intercept_balances_unequal_classes() -> None:

@@ -12,7 +12,7 @@ from sklearn.exceptions import NotFittedError
 
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
-from relforest.mil.volume_panels import PANELS
+from relforest.mil.volume_panels import PANELS, VOLUME_PANELS
 from relforest.support.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -59,9 +59,11 @@ def test_the_rarer_class_counts_as_much() -> None:
 def test_every_panel_alone_is_a_classifier(panel: str) -> None:
     model = fitted(panels=(panel,))
 
-    assert (model.predict(BAGS) == Y).mean() > 0.6
+    assert peirce_skill_score(TEST_Y, model.predict(TEST)) >= 0.6
     assert list(model.panel_weights_) == [panel]
-    assert {volume.panel for volume in model.volumes_} <= {panel}
+    assert {volume.panel for volume in model.volumes_} == {panel} & set(VOLUME_PANELS)
+    assert model.balls_.near_weights.any() == (panel == "near balls")
+    assert model.balls_.share_weights.any() == (panel == "ball shares")
 
 
 def test_the_score_is_the_intercept_and_the_weighted_nearness_of_witnesses() -> None:
@@ -90,9 +92,9 @@ def test_volumes_come_weightiest_first_and_in_the_units_of_the_data() -> None:
 
     assert weights == sorted(weights, reverse=True)
     assert all(abs(volume.centre[1] - 1000) < 60 for volume in model.volumes_)
-    # 2 splits of 4 + 4 + 2 volumes, by turns of positive and of negative bags.
-    assert len(model.volumes_) == 20
-    assert sum(volume.seeks_positive for volume in model.volumes_) == 10
+    # 2 splits of 4 + 2 volumes, by turns of positive and of negative bags.
+    assert len(model.volumes_) == 12
+    assert sum(volume.seeks_positive for volume in model.volumes_) == 6
 
 
 def test_an_instance_has_the_influence_that_its_bag_would_lose() -> None:
@@ -147,10 +149,10 @@ def test_prediction_does_not_depend_on_the_order_of_bags_or_instances() -> None:
 
 def test_units_of_the_features_do_not_matter() -> None:
     units, origin = np.array([1e-4, 1e4]), np.array([5.0, -3e4])
-    expected = fitted(panels=("parts", "components", "ball shares"))
-    model = fitted(origin + units * BAGS, panels=("parts", "components", "ball shares"))
+    expected = fitted().decision_function(TEST)
+    found = fitted(origin + units * BAGS).decision_function(origin + units * TEST)
 
-    assert model.predict(origin + units * TEST).tolist() == expected.predict(TEST).tolist()
+    np.testing.assert_allclose(found, expected, atol=1e-6)
 
 
 def test_constant_features_are_ignored() -> None:
@@ -195,8 +197,26 @@ def test_too_few_bags_to_leave_some_out(y: list[int]) -> None:
     model = fitted(bags, y)
 
     assert np.isfinite(model.decision_function(bags)).all()
-    # Nothing was compared: all five panels count 1 / 5.
-    assert list(model.panel_weights_.values()) == pytest.approx([0.2] * 5)
+    # Nothing was compared: all four panels count 1 / 4.
+    assert list(model.panel_weights_.values()) == pytest.approx([0.25] * 4)
+
+
+def test_balls_may_all_lie_in_bags_left_out() -> None:
+    model = fitted(n_balls=1)
+
+    assert len(model.balls_.centres) <= 1
+    assert np.isfinite(model.decision_function(TEST)).all()
+
+
+def test_values_far_beyond_those_of_training() -> None:
+    model = fitted()
+
+    np.testing.assert_allclose(
+        model.decision_function([np.vstack([TEST[1], [[1e30, -1e30]]]), TEST[1]])[1],
+        model.decision_function(TEST[1:2])[0],
+    )
+    with pytest.raises(InputError, match=r"values beyond 1e.30: use other units \(bag 0, row 1, component 0"):
+        model.predict([[[6.0, 6.0], [1e200, 1e200]]])
 
 
 def test_duplicate_instances_and_bags_of_many_sizes() -> None:
@@ -226,7 +246,7 @@ def test_a_bag_with_more_points_than_a_block() -> None:
         ("n_balls", 0, "n_balls must be an integer of at least 1, got 0"),
         ("panels", (), "panels must name at least one panel"),
         ("panels", ("parts", "parts"), "none twice"),
-        ("panels", "wings", "each of panels must be one of 'parts', 'strict parts'"),
+        ("panels", "wings", "each of panels must be one of 'parts', 'components'"),
         ("n_jobs", 0, "n_jobs must be a positive integer"),
         ("random_state", -1, "random_state must be an integer of at least 0"),
     ],

@@ -34,7 +34,7 @@ def test_volumes_of_a_panel(panel: str) -> None:
         number % 2 == 0 for number in range(len(volumes))
     ]
     for volume in volumes:
-        near = volume.point_nearness(points)
+        near = volume.nearness_at(volume.view.coordinates(points))
         inside = near[positive] if volume.seeks_positive else near[~positive]
         outside = near[~positive] if volume.seeks_positive else near[positive]
         assert inside.mean() > outside.mean()

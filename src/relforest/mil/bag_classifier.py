@@ -12,6 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 from relforest.scenes.bags import Bags, as_bags
 from relforest.scenes.labels import binary_labels
 from relforest.support.errors import InputError
+from relforest.support.parallel import one_blas_thread
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -50,14 +51,26 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         if y is None:
             raise InputError("requires y to be passed, but the target y is None")
         labels = binary_labels(y, len(data), what="bags")
-        self._fit(data, labels.positive)
+        # Sums in another order would give other roundings on other machines.
+        with one_blas_thread():
+            self._fit(data, labels.positive)
         self.classes_ = labels.classes
         self.n_features_in_ = data.dim
         return self
 
     def decision_function(self, bags: object) -> NDArray[np.float64]:
-        """Score of each bag, (n_bags,): at least 0 for bags predicted positive."""
-        return self._bag_scores(self._checked(bags))
+        """Score of each bag, (n_bags,): at least 0 for bags predicted positive.
+
+        Raises
+        ------
+        NotFittedError
+            Before `fit`.
+        InputError
+            If bags are malformed or have another number of features than those of `fit`.
+        """
+        data = self._checked(bags)
+        with one_blas_thread():
+            return self._bag_scores(data)
 
     def predict(self, bags: object) -> NDArray[Any]:
         """Label of each bag, (n_bags,)."""
@@ -102,11 +115,18 @@ class InstanceClassifier(BagClassifier, ABC):
     """
 
     def decision_instances(self, bags: object) -> list[NDArray[np.float64]]:
-        """Score of each instance, at least 0 where positive: one array per bag, in the bag's order."""
+        """Score of each instance, at least 0 where positive: one array per bag, in the bag's order.
+
+        Raises
+        ------
+        NotFittedError
+            Before `fit`.
+        InputError
+            If bags are malformed or have another number of features than those of `fit`.
+        """
         data = self._checked(bags)
-        scores = np.empty(len(data.points))
-        scores[data.starts[:-1].repeat(data.counts) + data.order] = self._instance_scores(data.points)
-        return np.split(scores, data.starts[1:-1])
+        with one_blas_thread():
+            return np.split(self._instance_scores(data.points), data.starts[1:-1])
 
     def predict_instances(self, bags: object) -> list[NDArray[np.bool_]]:
         """Which instances of each bag are positive: one bool array per bag, in the bag's order."""

@@ -1,6 +1,6 @@
 """The training of a committee of volumes on one split of the bags.
 
-Letters: n points, b bags, m balls, f coordinates of a view.
+Letters: n points, d features, b bags, t bags left out, m balls, k volumes, f coordinates of a view.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ __all__ = ["Found", "PanelMember", "Training", "find_split_volumes", "split_bags
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Training:
-    """What all splits share; `shown` are the views of the volume panels with the points in them."""
+    """What all splits share."""
 
-    shown: dict[str, tuple[FeatureView, NDArray[np.float64]]]
-    points: NDArray[np.float64]
-    starts: NDArray[np.int64]
-    positive: NDArray[np.bool_]
+    shown: dict[str, tuple[FeatureView, NDArray[np.float64]]]  # volume panel -> its view, points (n, f) in it
+    points: NDArray[np.float64]  # (n, d)
+    starts: NDArray[np.int64]  # (b + 1,)
+    positive: NDArray[np.bool_]  # (b,)
     ball_bags: NDArray[np.int64]  # (m,) bag of the instance that each ball is around
     ball_features: dict[str, NDArray[np.float64]]  # (b, m) for each of `BALL_RULES`
     n_volumes: int
@@ -38,10 +38,10 @@ class Training:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """Volumes of a panel and the nearness (b, k) of all bags to them."""
+    """Volumes of a panel and how near all bags are to them."""
 
     volumes: list[PlacedVolume]
-    near: NDArray[np.float64]
+    near: NDArray[np.float64]  # (b, k)
 
 
 @final
@@ -50,9 +50,9 @@ class PanelMember:
     """What one panel learned in one split, and its scores of the bags left out."""
 
     volumes: list[PlacedVolume]
-    balls: NDArray[np.int64]
+    balls: NDArray[np.int64]  # which of the m balls it uses
     rule: Rule
-    scores: NDArray[np.float64]
+    scores: NDArray[np.float64]  # (t,)
 
 
 def split_bags(

@@ -11,13 +11,10 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.support.errors import InputError
+from relforest.mil.scaling import feature_units
 
 __all__ = ["FeatureView", "principal_view", "scaled_view"]
 
-_LARGEST_VALUE: Final = 1e30
-# Spread that rounding alone can give to a feature that is constant.
-_CONSTANT: Final = 1e-9
 _MOST_ROWS: Final = 1000
 
 
@@ -66,19 +63,12 @@ def scaled_view(points: NDArray[np.float64]) -> FeatureView:
     """View of all features that vary, scaled to unit variance.
 
     If no feature varies, the first one is kept, and all points coincide.
-
-    Raises
-    ------
-    InputError
-        If a value lies beyond 1e30.
     """
-    if not (np.abs(points) <= _LARGEST_VALUE).all():
-        raise InputError(f"points hold values beyond {_LARGEST_VALUE:g}: use other units")
-    spread = points.std(axis=0)
-    columns = np.flatnonzero(spread > _CONSTANT * np.abs(points).max(axis=0))
+    units = feature_units(points, "standard")
+    columns = np.flatnonzero(units.width > 0.0)
     if len(columns) == 0:
         return FeatureView(np.zeros(1, dtype=np.int64), points[:1, 0].copy(), np.ones(1))
-    return FeatureView(columns, points[:, columns].mean(axis=0), spread[columns])
+    return FeatureView(columns, units.shift[columns], units.width[columns])
 
 
 def principal_view(

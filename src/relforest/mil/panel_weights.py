@@ -11,10 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-__all__ = ["panel_weights"]
+__all__ = ["panel_weights", "score_spread"]
 
 # Pull towards equal weights, so that few bags do not decide between panels.
 _PULL: Final = 1.0
+# Deviation, per score, that rounding alone gives to equal scores.
+_EQUAL: Final = 1e-12
+
+
+def score_spread(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard deviation of each panel's scores (b, p), (p,); 1 where all are equal."""
+    spread: NDArray[np.float64] = scores.std(axis=0)
+    return np.where(spread > _EQUAL * np.abs(scores).max(axis=0), spread, 1.0)
 
 
 def panel_weights(
@@ -33,12 +41,12 @@ def panel_weights(
     -------
     (ndarray (p,), float)
         What minimises the logistic loss, the classes weighing the same, plus half the squared distance of the
-        weights from 1 / p, both for scores divided by their standard deviation.
+        weights from 1 / p, both for scores divided by `score_spread`.
     """
     n_panels = scores.shape[1]
-    spread = scores.std(axis=0)
-    spread[spread == 0.0] = 1.0
-    scaled = scores / spread
+    mean, spread = scores.mean(axis=0), score_spread(scores)
+    # The optimiser stops early where the scores lie far from 0.
+    scaled = (scores - mean) / spread
     sign = np.where(positive, 1.0, -1.0)
     balance = np.where(positive, 0.5 / positive.mean(), 0.5 / (1.0 - positive.mean()))
     equal = 1.0 / n_panels
@@ -55,4 +63,5 @@ def panel_weights(
     start = np.append(np.full(n_panels, equal), 0.0)
     bounds = [(0.0, None)] * n_panels + [(None, None)]
     best: NDArray[np.float64] = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds).x
-    return best[:-1] / spread, float(best[-1])
+    weights = best[:-1] / spread
+    return weights, float(best[-1] - weights @ mean)

@@ -5,7 +5,7 @@ Letters: n points, b bags, f coordinates, m balls, d features.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -13,9 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.mil.feature_view import FeatureView
+from relforest.mil.squared_distances import squared_distances
 from relforest.volumes import Ellipsoid
 
-__all__ = ["Balls", "PlacedVolume", "bag_blocks", "bag_nearness", "nearness", "typical_squared_distance"]
+__all__ = [
+    "Balls",
+    "PlacedVolume",
+    "bag_blocks",
+    "bag_nearness",
+    "nearness",
+    "point_nearness",
+    "typical_squared_distance",
+]
 
 _LOG2: Final = float(np.log(2.0))
 # Points handled at a time where every point meets every ball.
@@ -69,10 +78,6 @@ class PlacedVolume:
         values: NDArray[np.float64] = self.view.original(self.ellipsoid.mean[None])[0]
         return values
 
-    def point_nearness(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Nearness of each point (n, d), (n,)."""
-        return self.nearness_at(self.view.coordinates(points))
-
     def nearness_at(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
         """Nearness of points given by their coordinates (n, f) in the view, (n,)."""
         return nearness(self.ellipsoid.distance(coordinates), self.ellipsoid.radius)
@@ -83,9 +88,18 @@ def bag_nearness(
 ) -> NDArray[np.float64]:
     """Nearness of the witness of each bag to each volume, (b, k), for points (n, d)."""
     near = np.empty((len(starts) - 1, len(volumes)))
+    for number, values in enumerate(point_nearness(volumes, points)):
+        np.maximum.reduceat(values, starts[:-1], out=near[:, number])
+    return near
+
+
+def point_nearness(
+    volumes: Sequence[PlacedVolume], points: NDArray[np.float64]
+) -> Iterator[NDArray[np.float64]]:
+    """Nearness of all points (n, d) to one volume after the other, each (n,)."""
     # Views with a rotation are few and dear; those of single features are many and cheap.
     rotated: dict[int, NDArray[np.float64]] = {}
-    for number, volume in enumerate(volumes):
+    for volume in volumes:
         view = volume.view
         if view.rotation is None:
             coordinates = view.coordinates(points)
@@ -93,8 +107,7 @@ def bag_nearness(
             if id(view) not in rotated:
                 rotated[id(view)] = view.coordinates(points)
             coordinates = rotated[id(view)]
-        np.maximum.reduceat(volume.nearness_at(coordinates), starts[:-1], out=near[:, number])
-    return near
+        yield volume.nearness_at(coordinates)
 
 
 @final
@@ -126,7 +139,7 @@ class Balls:
         self, coordinates: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Nearness of points, by their coordinates (n, f), with either radius: two arrays (n, m)."""
-        squared = _squared_distances(coordinates, self.centres)
+        squared = squared_distances(coordinates, self.centres)
         distances = np.sqrt(squared, out=squared)
         return nearness(distances, self.near_radius), nearness(distances, self.share_radius)
 
@@ -167,13 +180,5 @@ def bag_blocks(starts: NDArray[np.int64]) -> list[tuple[int, int]]:
 
 def typical_squared_distance(centres: NDArray[np.float64]) -> float:
     """Median of the squared distances between centres (m, f); 1 where they coincide."""
-    median = float(np.median(_squared_distances(centres, centres)))
+    median = float(np.median(squared_distances(centres, centres)))
     return median if median > 0.0 else 1.0
-
-
-def _squared_distances(points: NDArray[np.float64], centres: NDArray[np.float64]) -> NDArray[np.float64]:
-    squared: NDArray[np.float64] = (
-        (points**2).sum(axis=1)[:, None] + (centres**2).sum(axis=1) - 2.0 * points @ centres.T
-    )
-    np.maximum(squared, 0.0, out=squared)
-    return squared

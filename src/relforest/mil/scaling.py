@@ -16,9 +16,10 @@ from relforest.support.options import one_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-# Inside these bounds no square of a scaled value overflows.
-_LARGEST_VALUE: Final = 1e30
+# No square of a value divided by this overflows.
 _SMALLEST_WIDTH: Final = 1e-30
+# Range, per largest value, that rounding alone gives to a constant feature.
+_ROUNDING: Final = 16 * float(np.finfo(np.float64).eps)
 _METHODS: Final = ("standard", "minmax", "deviation")
 
 
@@ -57,10 +58,9 @@ def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
     Raises
     ------
     InputError
-        If the method is unknown or a value is beyond 1e30.
+        If the method is unknown.
     """
     one_of("method", method, _METHODS)
-    check_magnitude(points)
     low = points.min(axis=0)
     spread = points.max(axis=0) - low
     if method == "minmax":
@@ -68,21 +68,10 @@ def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
     else:
         shift = points.mean(axis=0) if method == "standard" else np.zeros_like(low)
         width = points.std(axis=0)
-    # Judged by the range: rounding gives a constant feature a tiny deviation.
-    constant = (spread < _SMALLEST_WIDTH) | (width < _SMALLEST_WIDTH)
+    # Judged by the range, since even equal values may have a tiny deviation.
+    constant = (spread <= _ROUNDING * np.abs(points).max(axis=0)) | (spread < _SMALLEST_WIDTH)
+    constant |= width < _SMALLEST_WIDTH
     return FeatureUnits(np.where(constant, 0.0, shift), np.where(constant, 0.0, width))
-
-
-def check_magnitude(points: NDArray[np.float64]) -> None:
-    """Refuse values whose squares could overflow.
-
-    Raises
-    ------
-    InputError
-        If a value is beyond 1e30.
-    """
-    if max(points.max(initial=0.0), -points.min(initial=0.0)) > _LARGEST_VALUE:
-        raise InputError(f"bags hold values beyond {_LARGEST_VALUE:g}: use other units")
 
 
 @final
@@ -134,7 +123,7 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
         Raises
         ------
         InputError
-            If bags are malformed, a value is beyond 1e30, or the method is unknown.
+            If bags are malformed or the method is unknown.
         """
         del y
         data = as_bags(bags)
@@ -150,7 +139,7 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
         Raises
         ------
         InputError
-            If bags are malformed, a value is beyond 1e30, or they have another number of features.
+            If bags are malformed or have another number of features.
         """
         check_is_fitted(self)
         data = as_bags(bags)
@@ -159,7 +148,6 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
                 f"X has {data.dim} features, but {type(self).__name__} is expecting "
                 f"{self.n_features_in_} features as input"
             )
-        check_magnitude(data.points)
         if isinstance(bags, tuple) and len(bags) == 2 and np.ndim(bags[1]) < 2:
             return self._scaled(bags[0]), bags[1]
         if isinstance(bags, (list, tuple)) and np.ndim(bags[0]) == 2:

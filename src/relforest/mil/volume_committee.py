@@ -18,19 +18,20 @@ from relforest.mil.committee_training import (
 )
 from relforest.mil.feature_view import FeatureView, principal_view, scaled_view
 from relforest.mil.instance_influence import excess, lead
-from relforest.mil.panel_weights import panel_weights
+from relforest.mil.panel_weights import panel_weights, score_spread
 from relforest.mil.placed_volume import (
     Balls,
     PlacedVolume,
     bag_blocks,
     bag_nearness,
+    point_nearness,
     typical_squared_distance,
 )
-from relforest.mil.volume_panels import BALL_RULES, PANELS, VOLUME_PANELS
+from relforest.mil.volume_panels import BALL_RULES, BALL_SHARES, NEAR_BALLS, PANELS, VOLUME_PANELS
 from relforest.scenes.bags import Bags
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, one_of
-from relforest.support.parallel import one_blas_thread, run_tasks
+from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 
 if TYPE_CHECKING:
@@ -45,13 +46,12 @@ class VolumeCommitteeClassifier(BagClassifier):
 
     A bag's nearness to a volume is ``2 ** -(D / r) ** 2`` for the Mahalanobis distance D of its witness and
     the radius r: 1 at the centre, one half on the boundary. The score of a bag is an intercept plus the
-    weighted nearness to every volume. Volumes come from five panels: aggregated in random parts of the
-    features ("parts"), the same with fewer wanted bags, hence purer ("strict parts"), aggregated in the
-    principal components ("components"), and balls around training instances that ask whether an instance is
-    near ("near balls") or for the mean nearness of all instances ("ball shares"). Half of the aggregated
-    volumes are sought by negative bags. The bags are split in turn into some that volumes and weights are
-    learned from, and a rest on which the panels are compared; the more a panel is right there, the more it
-    counts.
+    weighted nearness to every volume. Volumes come from four panels: aggregated in random parts of the
+    features ("parts"), aggregated in the principal components ("components"), and balls around training
+    instances that ask whether an instance is near ("near balls") or for the mean nearness of all instances
+    ("ball shares"). Half of the aggregated volumes are sought by negative bags. The bags are split in turn
+    into some that volumes and weights are learned from, and a rest on which the panels are compared; the more
+    a panel is right there, the more it counts.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ class VolumeCommitteeClassifier(BagClassifier):
         Splits of the training bags, at most as many as there are bags of either class. With 1, nothing is
         left out and all panels count the same.
     n_volumes : int, default 30
-        Volumes of the "parts" panels in each split; half as many for "components".
+        Volumes of the "parts" panel in each split; half as many for "components".
     part_size : int, default 8
-        Features that a volume of the "parts" panels sees.
+        Features that a volume of the "parts" panel sees.
     n_components : int, default 20
         Most principal components.
     n_balls : int, default 1000
         Most balls.
-    panels : sequence of str, default all five
+    panels : sequence of str, default all four
         The panels that take part.
     random_state : int, SeedSequence, Generator or None, default None
         Seed of all sampling; an integer makes `fit` repeatable.
@@ -90,9 +90,9 @@ class VolumeCommitteeClassifier(BagClassifier):
 
     Notes
     -----
-    Both classes weigh the same wherever something is fitted, so a score of 0 means equal likelihoods,
-    whatever the class frequencies. Features are scaled to unit variance and constant ones ignored; the
-    units of the features do not matter. With fewer than two bags of a class nothing can be left out.
+    Both classes weigh the same wherever something is fitted, so the threshold of 0 suits balanced classes,
+    whatever their frequencies in training. Features are scaled to unit variance and constant ones ignored;
+    the units of the features do not matter. With fewer than two bags of a class nothing can be left out.
 
     References
     ----------
@@ -135,46 +135,50 @@ class VolumeCommitteeClassifier(BagClassifier):
         self.n_jobs = n_jobs
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
-        panels = self._checked_panels()
+        panels, sizes = self._checked_panels(), self._checked_sizes()
+        checked_jobs(self.n_jobs)
         seed = seed_sequence(self.random_state)
         view = scaled_view(bags.points)
         coordinates = view.coordinates(bags.points)
         rng = generator(stream(seed, _BALLS))
-        n_balls = min(at_least("n_balls", self.n_balls, 1), len(coordinates))
-        rows = np.sort(rng.choice(len(coordinates), n_balls, replace=False))
+        rows = np.sort(rng.choice(len(coordinates), min(sizes["n_balls"], len(coordinates)), replace=False))
         balls = _unweighted_balls(view, coordinates[rows])
-        uses_balls = any(name in BALL_RULES for name in panels)
-        near = balls.bag_nearness(bags.points, bags.starts) if uses_balls else (np.empty((0, 0)),) * 2
+        ball_features = {}
+        if any(name in BALL_RULES for name in panels):
+            near, shares = balls.bag_nearness(bags.points, bags.starts)
+            ball_features = {NEAR_BALLS: near, BALL_SHARES: shares}
         training = Training(
-            self._shown(bags.points, view, panels, seed),
-            bags.points,
-            bags.starts,
-            positive,
-            np.searchsorted(bags.starts, rows, side="right") - 1,
-            dict(zip(BALL_RULES, near, strict=True)),
-            at_least("n_volumes", self.n_volumes, 1),
-            at_least("part_size", self.part_size, 1),
+            shown=self._shown(bags.points, view, panels, seed),
+            points=bags.points,
+            starts=bags.starts,
+            positive=positive,
+            ball_bags=np.searchsorted(bags.starts, rows, side="right") - 1,
+            ball_features=ball_features,
+            n_volumes=sizes["n_volumes"],
+            part_size=sizes["part_size"],
         )
-        splits = split_bags(
-            positive, at_least("n_splits", self.n_splits, 1), generator(stream(seed, _SPLITS))
-        )
+        splits = split_bags(positive, sizes["n_splits"], generator(stream(seed, _SPLITS)))
         tasks = [
             (training, panels, train, stream(seed, _VOLUMES, number))
             for number, (train, _) in enumerate(splits)
         ]
         found = run_tasks(find_split_volumes, tasks, n_jobs=self.n_jobs, prefer="threads")
-        with one_blas_thread():
-            members = [
-                train_panels(training, panels, volumes, *split)
-                for volumes, split in zip(found, splits, strict=True)
-            ]
+        members = [
+            train_panels(training, panels, volumes, *split)
+            for volumes, split in zip(found, splits, strict=True)
+        ]
         self._combine(panels, members, [test for _, test in splits], positive, balls)
 
     def _checked_panels(self) -> tuple[str, ...]:
-        panels = tuple(self.panels) if isinstance(self.panels, (list, tuple)) else (self.panels,)
+        names = [self.panels] if isinstance(self.panels, str) else list(self.panels)
+        panels = tuple(one_of("each of panels", name, PANELS) for name in names)
         if not panels or len(set(panels)) < len(panels):
             raise InputError(f"panels must name at least one panel, and none twice, got {self.panels!r}")
-        return tuple(one_of("each of panels", name, PANELS) for name in panels)
+        return panels
+
+    def _checked_sizes(self) -> dict[str, int]:
+        names = ("n_splits", "n_volumes", "part_size", "n_components", "n_balls")
+        return {name: at_least(name, getattr(self, name), 1) for name in names}
 
     def _shown(
         self,
@@ -184,12 +188,12 @@ class VolumeCommitteeClassifier(BagClassifier):
         seed: np.random.SeedSequence,
     ) -> dict[str, tuple[FeatureView, NDArray[np.float64]]]:
         """Return the view of each volume panel, and the points in it."""
-        n_components = at_least("n_components", self.n_components, 1)
         coordinates = view.coordinates(points)
         shown = {name: (view, coordinates) for name in panels if name in VOLUME_PANELS}
         rotated = [name for name in shown if VOLUME_PANELS[name].space == "components"]
         if rotated:
-            turned = principal_view(view, coordinates, n_components, generator(stream(seed, _COMPONENTS)))
+            rng = generator(stream(seed, _COMPONENTS))
+            turned = principal_view(view, coordinates, self.n_components, rng)
             shown |= dict.fromkeys(rotated, (turned, turned.coordinates(points)))
         return shown
 
@@ -204,8 +208,7 @@ class VolumeCommitteeClassifier(BagClassifier):
         scores = np.empty((len(positive), len(panels)))
         for split, bags in zip(members, tested, strict=True):
             scores[bags] = np.column_stack([member.scores for member in split])
-        spread = scores.std(axis=0)
-        spread[spread == 0.0] = 1.0
+        spread = score_spread(scores)
         if len(members) > 1:
             weights, intercept = panel_weights(scores, positive)
         else:
@@ -225,7 +228,7 @@ class VolumeCommitteeClassifier(BagClassifier):
                     ]
         self.volumes_ = tuple(sorted(volumes, key=lambda volume: -abs(volume.weight)))
         self.balls_ = replace(
-            balls, near_weights=near["near balls"], share_weights=near["ball shares"]
+            balls, near_weights=near[NEAR_BALLS], share_weights=near[BALL_SHARES]
         ).without_idle()
         self.intercept_ = float(intercept)
         self.panel_weights_ = dict(zip(panels, (weights * spread).tolist(), strict=True))
@@ -245,22 +248,29 @@ class VolumeCommitteeClassifier(BagClassifier):
 
         It is what the score would lose without the instance; for the only instance of a bag, the score less
         the intercept.
+
+        Raises
+        ------
+        NotFittedError
+            Before `fit`.
+        InputError
+            If bags are malformed or have another number of features than those of `fit`.
         """
         data = self._checked(bags)
+        with one_blas_thread():
+            return np.split(self._influences(data), data.starts[1:-1])
+
+    def _influences(self, data: Bags) -> NDArray[np.float64]:
         influence = np.zeros(len(data.points))
-        for volume in self.volumes_:
-            if volume.weight != 0.0:
-                near = volume.point_nearness(data.points)
-                influence += volume.weight * lead(near[:, None], data.starts)[:, 0]
+        for volume, near in zip(self.volumes_, point_nearness(self.volumes_, data.points), strict=True):
+            influence += volume.weight * lead(near[:, None], data.starts)[:, 0]
         for first, last in bag_blocks(data.starts) if len(self.balls_.centres) else []:
             rows = slice(data.starts[first], data.starts[last])
             within = data.starts[first : last + 1] - data.starts[first]
             near, share = self.balls_.point_nearness(self.balls_.view.coordinates(data.points[rows]))
             influence[rows] += lead(near, within) @ self.balls_.near_weights
             influence[rows] += excess(share @ self.balls_.share_weights, within)
-        ordered = np.empty(len(data.points))
-        ordered[data.starts[:-1].repeat(data.counts) + data.order] = influence
-        return np.split(ordered, data.starts[1:-1])
+        return influence
 
 
 def _unweighted_balls(view: FeatureView, centres: NDArray[np.float64]) -> Balls:

@@ -22,7 +22,17 @@ from relforest.mil.feature_view import FeatureView
 from relforest.mil.placed_volume import PlacedVolume
 from relforest.volumes import CovAggSettings, Ellipsoid, aggregate
 
-__all__ = ["BALL_RULES", "PANELS", "VOLUME_PANELS", "Rule", "VolumePanel", "find_volumes", "volume_rule"]
+__all__ = [
+    "BALL_RULES",
+    "BALL_SHARES",
+    "NEAR_BALLS",
+    "PANELS",
+    "VOLUME_PANELS",
+    "Rule",
+    "VolumePanel",
+    "find_volumes",
+    "volume_rule",
+]
 
 
 @final
@@ -37,7 +47,8 @@ class VolumePanel:
     share : float
         Volumes found in this way per volume of the "parts" panel; components cost more.
     least_ratio : float
-        The bags that a volume is to hold may be outnumbered by the others down to this ratio.
+        The bags that a volume is to hold may be outnumbered by the others down to this ratio, so that one of
+        the others inside costs more and volumes become purer.
     conditions : tuple of float
         Condition numbers c of eq. 3.6 to choose from.
     """
@@ -50,12 +61,13 @@ class VolumePanel:
 
 VOLUME_PANELS: Final[Mapping[str, VolumePanel]] = MappingProxyType(
     {
-        "parts": VolumePanel("parts", 1.0, 1.0, (10.0, 1000.0)),
-        "strict parts": VolumePanel("parts", 1.0, 0.25, (10.0, 1000.0)),
+        "parts": VolumePanel("parts", 1.0, 0.25, (10.0, 1000.0)),
         "components": VolumePanel("components", 0.5, 1.0, (3.0, 30.0)),
     }
 )
-PANELS: Final = (*VOLUME_PANELS, "near balls", "ball shares")
+NEAR_BALLS: Final = "near balls"
+BALL_SHARES: Final = "ball shares"
+PANELS: Final = (*VOLUME_PANELS, NEAR_BALLS, BALL_SHARES)
 # Every volume leaves some bags out, so that no two are grown from the same ones.
 _SAMPLED: Final = 0.9
 _RESTARTS: Final = 2
@@ -152,13 +164,16 @@ def _share_rule(shares: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rul
 
 
 BALL_RULES: Final[Mapping[str, Callable[[NDArray[np.float64], NDArray[np.bool_]], Rule]]] = MappingProxyType(
-    {"near balls": _near_ball_rule, "ball shares": _share_rule}
+    {NEAR_BALLS: _near_ball_rule, BALL_SHARES: _share_rule}
 )
 
 
 def _fitted(
     model: LogisticRegression | LinearSVC, near: NDArray[np.float64], positive: NDArray[np.bool_]
 ) -> Rule:
+    if near.shape[1] == 0:
+        # All balls are around instances of bags left out.
+        return Rule(np.empty(0), 0.0)
     with warnings.catch_warnings():
         # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
         # Not for threads, which share one list of filters.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,10 @@ from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.scenes.ids import IdArray, as_ids, codes_by_appearance, plain
 from relforest.support.errors import InputError
 
-__all__ = ["BagTypeError", "Bags", "as_bags"]
+__all__ = ["LARGEST_VALUE", "BagTypeError", "Bags", "as_bags"]
+
+LARGEST_VALUE: Final = 1e30
+"""Squares of differences of such values, and sums of many of these, stay far from overflow."""
 
 
 @final
@@ -29,18 +32,15 @@ class Bags:
     Attributes
     ----------
     points : (n_points, d) float array
-        Bag after bag, C-contiguous, finite.
+        Bag after bag, the rows of each as they were given; C-contiguous, none beyond `LARGEST_VALUE`.
     starts : (n_bags + 1,) int64 array
         Bag ``i`` is ``points[starts[i] : starts[i + 1]]``; none is empty.
-    order : (n_points,) int64 array
-        Which row of its bag each point was, counted among that bag's rows as they were given.
     bag_ids : (n_bags,) array
         Identifiers in order of first appearance; 0, 1, 2, ... where none were given.
     """
 
     points: FloatArray
     starts: IntArray
-    order: IntArray
     bag_ids: IdArray
 
     def __len__(self) -> int:
@@ -76,9 +76,9 @@ def as_bags(bags: object) -> Bags:
     Raises
     ------
     InputError
-        If there are no bags, a bag is empty, bags differ in width, a value is NaN, infinite or no number, or
-        the input is sparse, complex or of another shape. Messages follow scikit-learn's wording where it has
-        one.
+        If there are no bags, a bag is empty, bags differ in width, a value is NaN, infinite, beyond 1e30 or
+        no number, or the input is sparse, complex or of another shape. Messages follow scikit-learn's wording
+        where it has one.
     """
     if _is_sparse(bags):
         raise InputError("sparse input is not supported: pass a dense array, for instance with .toarray()")
@@ -131,10 +131,10 @@ def _from_identified(points: object, bag_ids: object) -> Bags:
         raise InputError(f"bag_ids must have one entry for each of the {len(array)} points, got {len(ids)}")
     codes, distinct = codes_by_appearance(ids)
     grouped = np.argsort(codes, kind="stable")
-    return _bags(array[grouped], np.bincount(codes, minlength=len(distinct)), distinct, codes[grouped])
+    return _bags(array[grouped], np.bincount(codes, minlength=len(distinct)), distinct)
 
 
-def _bags(points: FloatArray, counts: IntArray, bag_ids: IdArray, bag_of: IntArray | None = None) -> Bags:
+def _bags(points: FloatArray, counts: IntArray, bag_ids: IdArray) -> Bags:
     if not len(counts):
         raise InputError("there are no bags: Found array with 0 sample(s) while a minimum of 1 is required.")
     if not points.shape[1]:
@@ -142,17 +142,16 @@ def _bags(points: FloatArray, counts: IntArray, bag_ids: IdArray, bag_of: IntArr
             f"Found array with 0 feature(s) (shape={points.shape}) while a minimum of 1 is required."
         )
     starts = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
-    if bag_of is None:
-        bag_of = np.repeat(np.arange(len(counts)), counts)
-    order = np.arange(len(points)) - starts[bag_of]
-    wrong = np.argwhere(~np.isfinite(points))
+    # The negated test also catches NaN.
+    wrong = np.argwhere(~(np.abs(points) <= LARGEST_VALUE))
     if wrong.size:
         point, component = wrong[0]
-        raise InputError(
-            f"Input X contains NaN or infinity: bag {plain(bag_ids[bag_of[point]])!r}, row {order[point]}, "
-            f"component {component}. Drop the point or fill in the value."
-        )
-    return Bags(np.ascontiguousarray(points), starts, order, bag_ids)
+        bag = int(np.searchsorted(starts, point, side="right")) - 1
+        place = f"bag {plain(bag_ids[bag])!r}, row {point - starts[bag]}, component {component}"
+        if np.isfinite(points[point, component]):
+            raise InputError(f"Input X contains values beyond {LARGEST_VALUE:g}: use other units ({place})")
+        raise InputError(f"Input X contains NaN or infinity: {place}. Drop the point or fill in the value.")
+    return Bags(np.ascontiguousarray(points), starts, bag_ids)
 
 
 def _numbers(values: object, what: str) -> NDArray[np.float64]:

@@ -163,9 +163,9 @@ def aggregate(
         volume: Volume = Arc(float(models.centres[BEST, 0]), radius, kappa)
     else:
         mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
+        condition(covariance, settings.max_condition)
         if axes is not None:
             mean, covariance = axes.back(mean, covariance)
-        condition(covariance, settings.max_condition)
         volume = Ellipsoid(mean, covariance, radius, n_keys, float(settings.prior_weight))
     return Aggregation(volume, score, n_models)
 

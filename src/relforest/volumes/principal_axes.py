@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class PrincipalAxes(NamedTuple):
-    """Points in coordinates in which ``ncov(P)`` is diagonal, with the same distances.
+    """Points in coordinates in which ``ncov(P)`` is diagonal, as far from any volume as before.
 
     Parameters
     ----------
@@ -35,10 +35,16 @@ class PrincipalAxes(NamedTuple):
     def back(
         self, mean: NDArray[np.float64], covariance: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mean (d,) and covariance (d, d) of given ones in these coordinates."""
+        """Mean (d,) and covariance (d, d) of given ones, V of eq. 3.6, in these coordinates."""
         rank = self.axes.shape[1]
-        turned = self.axes @ covariance[:rank, :rank] @ self.axes.T
-        return self.origin + self.axes @ mean[:rank], 0.5 * (turned + turned.T)
+        # In all directions beside the axes V is what it is along the last coordinate.
+        beside = covariance[rank, rank] if rank < len(covariance) else 0.0
+        strengths, directions = np.linalg.eigh(covariance[:rank, :rank] - beside * np.eye(rank))
+        root = self.axes @ (directions * np.sqrt(np.maximum(strengths, 0.0)))
+        # A product with its own transpose is symmetric to the last digit.
+        turned = root @ root.T
+        turned[np.diag_indices_from(turned)] += beside
+        return self.origin + self.axes @ mean[:rank], turned
 
 
 def principal_axes(points: NDArray[np.float64], in_positive: NDArray[np.bool_]) -> PrincipalAxes:
