@@ -72,6 +72,9 @@ CASES = (
     Case("500 bags x 5 x 3-D", "log-likelihood", clustered(500, 5, 3)),
     Case("500 bags x 5 x 1-D", "log-likelihood", clustered(500, 5, 1)),
     Case("100 bags x 5 x 10-D", "accuracy", clustered(100, 5, 10)),
+    Case("100 bags x 5 x 40-D", "accuracy", clustered(100, 5, 40)),
+    Case("90 bags x 5 x 166-D, like Musk 1", "accuracy", clustered(90, 5, 166)),
+    Case("100 bags x 60 x 166-D, like Musk 2", "accuracy", clustered(100, 60, 166)),
 )
 
 

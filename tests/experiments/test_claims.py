@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import math
 
-from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.claims import Claim, Findings, Unclaimed
 
 
 def test_a_claim_is_met_inside_its_bounds_and_at_them() -> None:
@@ -25,3 +25,22 @@ def test_findings_are_met_if_all_claims_are() -> None:
     assert not Findings("text", (met, missed)).are_met
     assert str(Findings("text")) == "text"
     assert str(Findings("text", (met, missed))) == f"text\n\nClaims\n{met}\n{missed}"
+
+
+def test_findings_tell_what_is_not_claimed_once_per_reason() -> None:
+    met = Claim("a", 1.0, low=0.0)
+    left_out = (
+        Unclaimed("lead", ("Fox", "Tiger")),
+        Unclaimed("memory", ("Fox",)),
+        Unclaimed("time", ("Fox",)),
+    )
+    findings = Findings("text", (met,), unclaimed=left_out)
+
+    assert findings.are_met
+    assert str(findings).splitlines()[2:] == [
+        "Claims",
+        str(met),
+        "not claimed, because Fox, Tiger were left out: lead",
+        "not claimed, because Fox was left out: memory; time",
+    ]
+    assert "not claimed" in str(Findings("text", unclaimed=left_out))

@@ -35,7 +35,7 @@ def test_a_new_folder_gets_its_identity_and_the_versions_first(tmp_path: Path) -
             "count": 3,
             "versions": versions(),
         }
-    assert set(versions()) == {"python", "numpy", "scipy", "numba", "relforest"}
+    assert set(versions()) == {"python", "numpy", "scipy", "numba", "scikit-learn", "relforest"}
 
 
 def test_a_claimed_folder_is_locked(tmp_path: Path) -> None:
@@ -125,6 +125,19 @@ def test_other_versions_are_refused_unless_nothing_is_left_to_compute(tmp_path: 
     for wanted, finished in ((identity(), False), (identity(count=5), True)):
         with pytest.raises(RunFolderError, match=r"versions\.numpy \('1\.0\.0' there, .*same versions"):
             claim(tmp_path, wanted, finished=finished)
+
+
+def test_versions_that_an_old_folder_does_not_name_are_no_difference(tmp_path: Path) -> None:
+    claim(tmp_path, identity())
+    document = stored(tmp_path)
+    del document["versions"]["scikit-learn"]
+    (tmp_path / "run.json").write_text(json.dumps(document))
+    claim(tmp_path, identity())
+
+    document["versions"]["scikit-learn"] = "0.1"
+    (tmp_path / "run.json").write_text(json.dumps(document))
+    with pytest.raises(RunFolderError, match=r"other software: versions\.scikit-learn \('0\.1' there"):
+        claim(tmp_path, identity())
 
 
 @pytest.mark.parametrize("text", ["", "{", '{"format": "other", "version": 1}', "[]"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import final
 
@@ -45,6 +45,23 @@ class Claim:
 
 @final
 @dataclass(frozen=True, slots=True)
+class Unclaimed:
+    """A claim that is not made, because not all that it is about was computed.
+
+    Parameters
+    ----------
+    name : str
+        What would be claimed, in words.
+    missing : tuple of str
+        What was left out, in words.
+    """
+
+    name: str
+    missing: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class Findings:
     """The result of a study in words.
 
@@ -55,11 +72,14 @@ class Findings:
     claims : tuple of Claim
     documents : mapping of str to str
         Further text files by name, such as tables in Markdown.
+    unclaimed : tuple of Unclaimed
+        Claims of the whole study that cannot be made.
     """
 
     text: str
     claims: tuple[Claim, ...] = ()
     documents: Mapping[str, str] = field(default_factory=dict)
+    unclaimed: tuple[Unclaimed, ...] = ()
 
     @property
     def are_met(self) -> bool:
@@ -67,7 +87,15 @@ class Findings:
         return all(claim.is_met for claim in self.claims)
 
     def __str__(self) -> str:
-        """Return the text, then a line per claim."""
-        if not self.claims:
-            return self.text
-        return f"{self.text}\n\nClaims\n" + "\n".join(map(str, self.claims))
+        """Return the text, a line per claim, and a line per reason for which others are not made."""
+        lines = [*map(str, self.claims), *_reasons(self.unclaimed)]
+        return "\n".join([self.text, "", "Claims", *lines]) if lines else self.text
+
+
+def _reasons(unclaimed: Iterable[Unclaimed]) -> Iterator[str]:
+    names: dict[tuple[str, ...], list[str]] = {}
+    for claim in unclaimed:
+        names.setdefault(claim.missing, []).append(claim.name)
+    for missing, concerned in names.items():
+        verb = "was" if len(missing) == 1 else "were"
+        yield f"not claimed, because {', '.join(missing)} {verb} left out: {'; '.join(concerned)}"

@@ -84,7 +84,7 @@ def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]
 def versions() -> dict[str, str]:
     """Return the versions of the software that results depend on, Python's without its last part."""
     python = ".".join(platform.python_version_tuple()[:2])
-    others = {name: metadata.version(name) for name in ("numpy", "scipy", "numba")}
+    others = {name: metadata.version(name) for name in ("numpy", "scipy", "numba", "scikit-learn")}
     return {"python": python, **others, "relforest": __version__}
 
 
@@ -123,7 +123,7 @@ def _check_same(
     is_finished: Callable[[], bool],
 ) -> None:
     there, here = dict(there), dict(here)
-    software = differences(there.pop("versions", None), here.pop("versions"), "versions")
+    software = _other_software(there.pop("versions", None), here.pop("versions"))
     grows = _grows(identity, there)
     if grows:
         here[str(identity.growing)] = there[str(identity.growing)]
@@ -141,6 +141,13 @@ def _check_same(
             f"{folder} was begun with other software: {'; '.join(software)}; the rest might not fit what it "
             "holds, so start again in another folder, or go on with the same versions"
         )
+
+
+def _other_software(there: object, here: Mapping[str, str]) -> list[str]:
+    if isinstance(there, Mapping):
+        # What an older version of this library did not write down yet cannot be compared.
+        here = {name: version for name, version in here.items() if name in there}
+    return differences(there, here, "versions")
 
 
 def _grows(identity: Identity, there: Mapping[str, Any]) -> bool:

@@ -67,6 +67,8 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         mil_ablation.compute,
         mil_ablation.summarize,
         mil_ablation.figures,
+        choices=mil_ablation.CHOICES,
+        obstacles=mil_ablation.obstacles,
     ),
     Study(
         "corridor",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -59,6 +60,13 @@ def second_is_large(asked: Mapping[str, Any]) -> Callable[[int], Task]:
         return len(bytearray(asked["megabytes"] * MEGABYTE)) if number == 1 else 0
 
     return lambda number: Task(lambda: allocate(number), lambda size: {"size": size})
+
+
+def never_begins(asked: Mapping[str, Any]) -> Callable[[int], Task]:
+    """Steps before which the process gets the signal of one that took too much CPU time."""
+    del asked
+    os.kill(os.getpid(), signal.SIGXCPU)
+    return lambda _: Task(int, lambda _: {})
 
 
 def second_waits(asked: Mapping[str, Any]) -> Callable[[int], Task]:

@@ -7,6 +7,7 @@ from relforest.experiments.mil.cells import Results, mark
 from relforest.experiments.mil.settings import N_COMPARISONS
 from relforest.experiments.table import Table
 from relforest.metrics import Moments
+from relforest.support.errors import RunFolderError
 
 
 def of(mean: float) -> Moments:
@@ -56,3 +57,14 @@ def test_rows_are_grouped_by_cell() -> None:
     assert done.seconds == Moments.of([1.0, 3.0])
     assert (stopped.skill, stopped.seconds, stopped.is_stopped, stopped.peak_bytes) == (None, None, True, 9)
     assert stopped.facts["n_bags"] == 92
+
+
+@pytest.mark.parametrize("column", ["pss", "cpu_seconds"])
+def test_what_was_done_has_a_score_and_a_time(column: str) -> None:
+    first, second = rows("musk1", "dd", pss=[0.2, 0.0])
+
+    assert Results.of(Table.of([first, second])).by_cell["musk1", "dd"].scores == (0.2, 0.0)
+    with pytest.raises(
+        RunFolderError, match=rf"musk1, dd, fold 1 has no {column}, .* delete cells/musk1/dd\.json"
+    ):
+        Results.of(Table.of([first, {**second, column: None}]))

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,21 +9,24 @@ from hypothesis import strategies as st
 
 from experiments.mil.fakes import DRAWN, FIXED
 from relforest.datasets import BagSet
+from relforest.experiments.mil import data
 from relforest.experiments.mil.data import (
     DATA_SETS,
+    DESIGNED_WITH,
+    HELD_OUT,
     N_FOLDS,
     Standard,
     Synthetic,
+    absence,
     splitter,
     stratified_parts,
     tuning_splits,
-    why_unreadable,
 )
-from relforest.support.errors import DataError
+from relforest.support.errors import DataError, MissingDataError
 
 
-def values(data: BagSet) -> list[float]:
-    return np.concatenate(data.bags).ravel().tolist()
+def values(bag_set: BagSet) -> list[float]:
+    return np.concatenate(bag_set.bags).ravel().tolist()
 
 
 @given(
@@ -87,10 +92,55 @@ def test_streams_of_data_sets_are_their_own() -> None:
     assert len({data_set.key for data_set in DATA_SETS.values()}) == len(DATA_SETS) == 13
 
 
-def test_what_cannot_be_read_is_told() -> None:
-    def fetch() -> BagSet:
-        raise DataError("no file: get it")
+def test_the_committee_was_designed_without_eight_standard_sets() -> None:
+    assert set(HELD_OUT) | set(DESIGNED_WITH) == set(DATA_SETS)
+    assert len(HELD_OUT) == 8
+    assert all(isinstance(DATA_SETS[name], Standard) for name in HELD_OUT)
+    assert "musk1" not in HELD_OUT
 
-    assert why_unreadable(Standard("Lost", 99, fetch)) == "no file: get it"
-    assert why_unreadable(FIXED) is None
-    assert why_unreadable(DRAWN) is None
+
+def failing(error: DataError) -> Standard:
+    def fetch() -> BagSet:
+        raise error
+
+    return Standard("Lost", 99, fetch)
+
+
+def test_a_missing_file_is_named_beside_a_reason_that_all_share(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # A word of the reason is that of a data set, and must stay.
+    monkeypatch.setenv("RELFOREST_DATA", str(tmp_path / "fox"))
+    lost = failing(MissingDataError("no file"))
+    sets = {"mutagenesis-atoms": lost, "fox": lost, "musk1": FIXED, "color": DRAWN}
+    monkeypatch.setattr(data, "DATA_SETS", sets)
+    atoms, fox, musk, color = map(absence, sets)
+
+    assert atoms is not None
+    assert fox is not None
+    assert (atoms.missing, fox.missing) == ("Lost (mutagenesis_atoms.csv.gz)", "Lost (fox.csv.gz)")
+    assert atoms.reason == fox.reason
+    assert f"RELFOREST_DATA (now {tmp_path / 'fox'})" in fox.reason
+    assert (musk, color) == (None, None)
+    monkeypatch.delenv("RELFOREST_DATA")
+    again = absence("fox")
+    assert again is not None
+    assert "RELFOREST_DATA (not set now)" in again.reason
+
+
+def test_a_damaged_file_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(data, "DATA_SETS", {"fox": failing(DataError("fox.csv.gz has a wrong hash"))})
+
+    with pytest.raises(DataError, match="wrong hash"):
+        absence("fox")
+
+
+def test_files_tell_absence_from_damage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("RELFOREST_DATA", str(tmp_path))
+    monkeypatch.delenv("RELFOREST_DATA_URL", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    (tmp_path / "fox.csv.gz").write_bytes(b"not the published one")
+
+    assert absence("tiger") is not None
+    with pytest.raises(DataError, match="is not the published file"):
+        absence("fox")

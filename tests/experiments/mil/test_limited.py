@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -13,7 +14,7 @@ import pytest
 from experiments.mil import fakes
 from relforest.experiments.mil.limited import run_job
 from relforest.experiments.mil.steps import DONE, STOPPED, Job
-from relforest.support.errors import RelforestError
+from relforest.support.errors import InputError, RelforestError
 from relforest.support.parallel import run_tasks
 
 LIMIT = 1.0
@@ -69,6 +70,40 @@ def test_a_killed_process_is_a_failure_too(tmp_path: Path) -> None:
     job = Job(fakes.second_is_killed, {}, 2, LIMIT, tmp_path / "job.json")
 
     with pytest.raises(RelforestError, match=r"step 1 .*was killed, perhaps for want of memory"):
+        run_job(job, "a job")
+
+
+def test_a_limit_exceeded_before_the_first_step_is_not_the_methods(tmp_path: Path) -> None:
+    job = Job(fakes.never_begins, {}, 2, LIMIT, tmp_path / "job.json")
+
+    with pytest.raises(
+        RelforestError, match=r"Musk 1, DD: .* more than 600 CPU seconds before its first step"
+    ):
+        run_job(job, "Musk 1, DD")
+    assert job.saved() == []
+
+
+def test_a_smaller_limit_of_the_machine_is_told_at_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = Job(fakes.echo, {"start": 0}, 2, 300.0, tmp_path / "job.json")
+    done = run_job(job, "echo")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (60, 60))
+
+    # Nothing is left to do.
+    assert run_job(job, "echo") == done
+    job.save(done[:1])
+    with pytest.raises(InputError, match=r"may take 300 CPU seconds, but .* after 60: raise .*ulimit -t"):
+        run_job(job, "echo")
+
+
+def test_the_limit_of_the_machine_may_have_killed_a_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = Job(fakes.second_is_killed, {}, 2, LIMIT, tmp_path / "job.json")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (60, 60))
+
+    with pytest.raises(RelforestError, match=r"perhaps because it took 60 CPU seconds .*ulimit -t"):
         run_job(job, "a job")
 
 

@@ -8,14 +8,14 @@ import pytest
 
 from experiments.mil import fakes
 from relforest.datasets import BagSet
-from relforest.experiments.mil import data, run
+from relforest.experiments.mil import data
 from relforest.experiments.mil.grid import grid_points
 from relforest.experiments.mil.run import Work, compute, measured, obstacles
 from relforest.experiments.mil.settings import MilSetting
 from relforest.experiments.mil.steps import DONE, STOPPED
-from relforest.experiments.study import Obstacle, Place
+from relforest.experiments.study import Place
 from relforest.experiments.table import Row
-from relforest.support.errors import DataError
+from relforest.support.errors import MissingDataError
 
 WORK = Work(fakes.fake_folds, fakes.fake_trials)
 UNTIMED = {"cpu_seconds", "peak_bytes"}
@@ -96,23 +96,19 @@ def test_real_methods_learn_real_draws(tmp_path: Path) -> None:
     assert all(0 < float(str(row["cpu_seconds"])) < 60 for row in rows)
 
 
-def test_data_that_cannot_be_read_are_an_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing(name: str, title: str) -> data.Standard:
-        def fetch() -> BagSet:
-            raise DataError(f"{title} is not here: put {name}.csv.gz into mil. Source of the data: {name}")
+def test_settings_without_their_data_have_an_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fetch() -> BagSet:
+        raise MissingDataError("no file")
 
-        return data.Standard(title, 1, fetch)
-
-    atoms, musk = missing("mutagenesis_atoms", "Muta Atoms"), missing("musk1", "Musk 1")
-    names = {"mutagenesis-atoms": atoms, "musk1": musk, "color": fakes.DRAWN}
-    monkeypatch.setattr(run, "DATA_SETS", names)
-    settings = [MilSetting(name, "dd", 2) for name in names]
+    names = {name: data.Standard(name.title(), 1, fetch) for name in ("fox", "musk1")}
+    monkeypatch.setattr(data, "DATA_SETS", {**names, "color": fakes.DRAWN})
+    settings = [MilSetting(name, "dd", 2) for name in ("fox", "musk1", "color")]
     settings.append(replace(settings[0], method="apr"))
     found = obstacles(settings)
 
-    reason = "NAME is not here: put NAME.csv.gz into mil."
-    assert found == {
-        settings[0]: Obstacle("Muta Atoms", reason),
-        settings[1]: Obstacle("Musk 1", reason),
-        settings[3]: Obstacle("Muta Atoms", reason),
+    assert {setting: obstacle.missing for setting, obstacle in found.items()} == {
+        settings[0]: "Fox (fox.csv.gz)",
+        settings[1]: "Musk1 (musk1.csv.gz)",
+        settings[3]: "Fox (fox.csv.gz)",
     }
+    assert len({obstacle.reason for obstacle in found.values()}) == 1

@@ -10,11 +10,13 @@ from relforest.experiments.mil_ablation.made_up import three_parts
 from relforest.experiments.mil_ablation.settings import (
     COMMITTEE,
     PUBLISHED,
+    SETTINGS,
     TITLES,
     VARIANTS,
     AblationSetting,
 )
-from relforest.experiments.study import Place
+from relforest.experiments.registry import STUDIES
+from relforest.experiments.study import Place, chosen_settings
 from relforest.support.rng import generator, seed_sequence
 
 
@@ -32,23 +34,61 @@ def test_rows_are_repeatable(tmp_path: Path) -> None:
     assert rows == run.compute(setting, Place(3, 0, tmp_path))
 
 
-def test_musk_is_split_into_ten_folds_per_repetition(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("data_set", "n_bags"), [("rare", 150), ("elements", 150), ("wide", 100)])
+def test_draws_are_as_large_as_the_generator_says(tmp_path: Path, data_set: str, n_bags: int) -> None:
+    (split,) = run.splits(AblationSetting(data_set, draws=1), Place(0, 0, tmp_path))
+
+    assert (len(split.train), len(split.test)) == (n_bags, n_bags)
+
+
+def test_images_of_training_are_not_tested(tmp_path: Path) -> None:
+    (split,) = run.splits(AblationSetting("digits", draws=1, n_bags=60), Place(0, 0, tmp_path))
+    train, test = (
+        {image.tobytes() for bag in part.bags for image in bag} for part in (split.train, split.test)
+    )
+
+    assert not train & test
+
+
+def test_musk_is_read_once_and_split_into_ten_folds_per_repetition(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     data = three_parts(generator(seed_sequence(0)), 40)
-    sizes: list[tuple[int, int]] = []
+    reads: list[BagSet] = []
 
     def fetched() -> BagSet:
+        reads.append(data)
         return data
 
     monkeypatch.setattr(run, "fetch_musk1", fetched)
-    tested = []
-    for draw in range(11):
-        train, test = run.pair(AblationSetting("musk1"), Place(0, 0, tmp_path), draw)
-        sizes.append((len(train), len(test)))
-        tested.append({bag.tobytes() for bag in test.bags})
+    found = list(run.splits(AblationSetting("musk1", draws=11), Place(0, 0, tmp_path)))
+    tested = [{bag.tobytes() for bag in split.test.bags} for split in found]
 
-    assert sizes == [(36, 4)] * 11
+    assert len(reads) == 1
+    assert [(len(split.train), len(split.test)) for split in found] == [(36, 4)] * 11
     assert len(set.union(*tested[:10])) == 40
     assert tested[10] != tested[0]
+
+
+def test_a_missing_musk_is_an_obstacle_and_the_others_are_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RELFOREST_DATA", str(tmp_path))
+    monkeypatch.delenv("RELFOREST_DATA_URL", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    obstacles = STUDIES["mil_ablation"].obstacles
+
+    assert obstacles is not None
+    ((setting, obstacle),) = obstacles(SETTINGS).items()
+    assert setting.data_set == "musk1"
+    assert obstacle.missing == "Musk 1 (musk1.csv.gz)"
+    assert obstacles(SETTINGS[:3]) == {}
+
+
+def test_data_sets_can_be_chosen() -> None:
+    chosen = chosen_settings(STUDIES["mil_ablation"], SETTINGS, {"datasets": ["rare", "musk1"]})
+
+    assert [SETTINGS[index].data_set for index in chosen] == ["rare", "musk1"]
 
 
 def test_every_variant_can_be_made() -> None:

@@ -1,15 +1,17 @@
 """Results -> claims: what must hold of the numbers measured.
 
-A claim about data sets or methods that were not chosen is not made.
+A claim about data sets or methods that were left out is not made, which is told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Final
 
-from relforest.experiments.claims import Claim
+from relforest.experiments.claims import Claim, Unclaimed
 from relforest.experiments.mil.cells import Result, Results
-from relforest.experiments.mil.data import DATA_SETS, N_FOLDS
+from relforest.experiments.mil.data import DATA_SETS, HELD_OUT, N_FOLDS
 from relforest.experiments.mil.means import means
 from relforest.experiments.mil.methods import COVAGG, IMPROVED, METHODS, PEERS
 from relforest.experiments.mil.published import SCORES
@@ -27,6 +29,13 @@ from relforest.experiments.mil.settings import (
 )
 from relforest.metrics import Moments, two_sample_p_value
 
+_WHOLES: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
+    {
+        f"{len(DATA_SETS)} data sets": tuple(DATA_SETS),
+        f"{len(HELD_OUT)} data sets that it was not designed with": HELD_OUT,
+    }
+)
+
 
 def claims(results: Results, cpu_limit: float) -> Iterator[Claim]:
     """Yield all claims that the results allow.
@@ -37,31 +46,59 @@ def claims(results: Results, cpu_limit: float) -> Iterator[Claim]:
     cpu_limit : float
         CPU seconds that a method which was stopped would have needed at least.
     """
-    yield from _reproduction(results)
-    yield from _peers(results)
-    yield from _speed(results, cpu_limit)
-    yield from _lead(results)
-    yield from _memory(results)
+    yield from (verdict for verdict in _verdicts(results, cpu_limit) if isinstance(verdict, Claim))
+
+
+def unclaimed(results: Results) -> Iterator[Unclaimed]:
+    """Yield the claims of the whole study that the results do not allow, since something was left out."""
+    yield from (verdict for verdict in _verdicts(results, 0.0) if isinstance(verdict, Unclaimed))
 
 
 def exceptions(results: Results) -> Iterator[str]:
-    """Yield a line for every peer of which no agreement with the source is claimed."""
+    """Yield a line for every peer that lies farther from the source than is tolerated, with the reason."""
     for (data_set, method), reason in EXPLAINED.items():
         found = results.get(data_set, method)
         source = SCORES[data_set, method].mean
         if found is not None and found.skill is not None and source is not None:
             difference = found.skill.mean - source
-            title = f"{DATA_SETS[data_set].title}, {METHODS[method].title}"
-            yield f"{title}: {found.skill.mean:.2f}, source {source:.2f} ({difference:+.2f}): {reason}"
+            if abs(difference) > PEER_TOLERANCE:
+                title = f"{DATA_SETS[data_set].title}, {METHODS[method].title}"
+                yield f"{title}: {found.skill.mean:.2f}, source {source:.2f} ({difference:+.2f}): {reason}"
 
 
-def _reproduction(results: Results) -> Iterator[Claim]:
+def _verdicts(results: Results, cpu_limit: float) -> Iterator[Claim | Unclaimed]:
+    yield from _reproduction(results)
+    yield from _peers(results)
+    yield from _speed(results, cpu_limit)
+    for which, whole in _WHOLES.items():
+        yield _lead(results, which, whole)
+    yield from _memory(results)
+
+
+def _missing(results: Results, data_sets: Sequence[str], methods: Sequence[str]) -> tuple[str, ...]:
+    """Name what there is nothing of: whole data sets, whole methods, and single cells."""
+    missing = []
+    for data_set in data_sets:
+        for method in methods:
+            title, other = DATA_SETS[data_set].title, METHODS[method].title
+            if data_set not in results.data_sets:
+                missing.append(title)
+            elif method not in results.methods:
+                missing.append(other)
+            elif results.get(data_set, method) is None:
+                missing.append(f"{other} on {title}")
+    return tuple(dict.fromkeys(missing))
+
+
+def _reproduction(results: Results) -> Iterator[Claim | Unclaimed]:
     for data_set in (*REPRODUCED, *STANDARD):
         found = results.get(data_set, COVAGG)
-        if found is not None:
-            is_exact = data_set in REPRODUCED
-            relation = "not significantly different from" if is_exact else "not significantly below"
-            name = f"{DATA_SETS[data_set].title}: CovAgg {relation} the source's, p"
+        is_exact = data_set in REPRODUCED
+        relation = "not significantly different from" if is_exact else "not significantly below"
+        name = f"{DATA_SETS[data_set].title}: CovAgg {relation} the source's, p"
+        if found is None:
+            yield Unclaimed(name, _missing(results, [data_set], [COVAGG]))
+        else:
             yield Claim(name, _p_value(found, data_set, is_exact=is_exact), low=ALPHA)
 
 
@@ -79,58 +116,66 @@ def _p_value(found: Result, data_set: str, *, is_exact: bool) -> float:
     return two_sample_p_value(ours, source)
 
 
-def _peers(results: Results) -> Iterator[Claim]:
+def _peers(results: Results) -> Iterator[Claim | Unclaimed]:
     for data_set in REPRODUCED:
         for method in PEERS:
             found, published = results.get(data_set, method), SCORES.get((data_set, method))
-            if found is None or published is None or (data_set, method) in EXPLAINED:
+            if published is None or (data_set, method) in EXPLAINED:
+                continue
+            name = f"{DATA_SETS[data_set].title}, {METHODS[method].title}: difference from the source"
+            if found is None:
+                yield Unclaimed(name, _missing(results, [data_set], [method]))
                 continue
             source = float("nan") if published.mean is None else published.mean
             ours = float("nan") if found.skill is None else found.skill.mean
-            name = f"{DATA_SETS[data_set].title}, {METHODS[method].title}: difference from the source"
             yield Claim(name, abs(ours - source), high=PEER_TOLERANCE)
 
 
-def _speed(results: Results, cpu_limit: float) -> Iterator[Claim]:
+def _speed(results: Results, cpu_limit: float) -> Iterator[Claim | Unclaimed]:
     for data_set in FASTER_ON:
         ours = results.get(data_set, COVAGG)
         peers = {name: results.get(data_set, name) for name in FASTER_THAN}
         times = {name: _seconds(peer, cpu_limit) for name, peer in peers.items() if peer is not None}
-        if ours is not None and times:
-            own = float("nan") if ours.seconds is None else ours.seconds.mean
-            listed = ", ".join(METHODS[name].title for name in times)
-            name = f"{DATA_SETS[data_set].title}: CPU time of the fastest of {listed} in CovAgg's"
-            yield Claim(name, min(times.values()) / own if own else float("nan"), low=1.0)
+        listed = ", ".join(METHODS[name].title for name in times or FASTER_THAN)
+        name = f"{DATA_SETS[data_set].title}: CPU time of the fastest of {listed} in CovAgg's"
+        if ours is None or not times:
+            missing = _missing(results, [data_set], [COVAGG])
+            yield Unclaimed(name, missing or _missing(results, [data_set], FASTER_THAN))
+            continue
+        own = float("nan") if ours.seconds is None else ours.seconds.mean
+        yield Claim(name, min(times.values()) / own if own else float("nan"), low=1.0)
     for data_set, limit in LONGEST_FOLD.items():
         ours = results.get(data_set, COVAGG)
-        if ours is not None:
-            longest = max(ours.times) if ours.times and not ours.is_stopped else float("nan")
-            yield Claim(
-                f"{DATA_SETS[data_set].title}: CovAgg's longest fold, CPU seconds", longest, high=limit
-            )
+        name = f"{DATA_SETS[data_set].title}: CovAgg's longest fold, CPU seconds"
+        if ours is None:
+            yield Unclaimed(name, _missing(results, [data_set], [COVAGG]))
+            continue
+        longest = max(ours.times) if ours.times and not ours.is_stopped else float("nan")
+        yield Claim(name, longest, high=limit)
 
 
 def _seconds(result: Result, cpu_limit: float) -> float:
     return cpu_limit if result.seconds is None else result.seconds.mean
 
 
-def _lead(results: Results) -> Iterator[Claim]:
-    whole = set(DATA_SETS)
-    compared = [name for name in PEERS if all(results.get(data_set, name) is not None for data_set in whole)]
-    is_whole = all(results.get(data_set, IMPROVED) is not None for data_set in whole)
-    if compared and is_whole:
-        leads = {name: means(results, name).lead for name in compared}
-        best = min(leads, key=lambda name: leads[name])
-        title = METHODS[IMPROVED].title
-        name = f"lead of {title} in the mean score of {len(whole)} data sets, over {METHODS[best].title}"
-        yield Claim(name, leads[best], low=0.0)
+def _lead(results: Results, which: str, whole: Sequence[str]) -> Claim | Unclaimed:
+    compared = [name for name in PEERS if not _missing(results, whole, [name])]
+    name = f"lead of {METHODS[IMPROVED].title} in the mean score of {which}, over the best"
+    missing = _missing(results, whole, [IMPROVED])
+    if missing or not compared:
+        return Unclaimed(f"{name} peer", missing or ("every peer on at least one of them",))
+    leads = {name: means(results, name, whole).lead for name in compared}
+    best = min(leads, key=lambda name: leads[name])
+    return Claim(f"{name} of {len(leads)} peers, {METHODS[best].title}", leads[best], low=0.0)
 
 
-def _memory(results: Results) -> Iterator[Claim]:
+def _memory(results: Results) -> Iterator[Claim | Unclaimed]:
     for data_set, limit in MOST_BYTES.items():
         found = {name: results.get(data_set, name) for name in results.methods}
         peaks = {name: result.peak_bytes for name, result in found.items() if result is not None}
-        if peaks:
-            most = max(peaks, key=lambda name: peaks[name])
-            name = f"{DATA_SETS[data_set].title}: largest memory, MB ({METHODS[most].title})"
-            yield Claim(name, peaks[most] / 1e6, high=limit / 1e6)
+        name = f"{DATA_SETS[data_set].title}: largest memory, MB"
+        if not peaks:
+            yield Unclaimed(name, _missing(results, [data_set], results.methods))
+            continue
+        most = max(peaks, key=lambda name: peaks[name])
+        yield Claim(f"{name} ({METHODS[most].title})", peaks[most] / 1e6, high=limit / 1e6)

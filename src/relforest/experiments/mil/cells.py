@@ -13,6 +13,7 @@ from relforest.experiments.mil.settings import ALPHA, N_COMPARISONS
 from relforest.experiments.mil.steps import STOPPED
 from relforest.experiments.table import Cell, Table
 from relforest.metrics import Moments, sidak_level, two_sample_p_value
+from relforest.support.errors import RunFolderError
 
 
 @final
@@ -67,7 +68,13 @@ class Results:
 
     @classmethod
     def of(cls, table: Table) -> Results:
-        """Group the rows of a table."""
+        """Group the rows of a table.
+
+        Raises
+        ------
+        RunFolderError
+            If a fold that was done has no score or no time.
+        """
         rows: dict[tuple[str, str], list[Mapping[str, Cell]]] = {}
         for row in table.rows:
             rows.setdefault((str(row["data_set"]), str(row["method"])), []).append(row)
@@ -123,9 +130,20 @@ def _result(rows: list[Mapping[str, Cell]]) -> Result:
     done = [row for row in rows if row["state"] != STOPPED]
     facts = (done or rows)[0]
     return Result(
-        tuple(float(row["pss"] or 0) for row in done),
-        tuple(float(row["cpu_seconds"] or 0) for row in done),
-        max(int(row["peak_bytes"] or 0) for row in rows),
+        tuple(_number(row, "pss") for row in done),
+        tuple(_number(row, "cpu_seconds") for row in done),
+        max(int(_number(row, "peak_bytes")) for row in rows),
         len(done) < len(rows),
         MappingProxyType({name: facts[name] for name in _FACTS}),
     )
+
+
+def _number(row: Mapping[str, Cell], column: str) -> float:
+    value = row[column]
+    if value is None:
+        raise RunFolderError(
+            f"{row['data_set']}, {row['method']}, fold {row['fold']} has no {column}, though it is "
+            f"{row['state']}: delete cells/{row['data_set']}/{row['method']}.json and the file in settings "
+            "that holds this row, and they are computed again"
+        )
+    return float(value)

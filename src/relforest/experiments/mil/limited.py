@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from select import select
 from typing import Final, final
 
 from relforest.experiments.mil.steps import STOPPED, Job, Step
-from relforest.experiments.mil.worker import peak_memory
-from relforest.support.errors import RelforestError
+from relforest.experiments.mil.worker import PREPARATION, peak_memory
+from relforest.support.errors import InputError, RelforestError
 
 _START: Final = (
     "import json, sys; asked = json.loads(sys.stdin.read()); sys.path[:] = asked['path']; "
-    "from relforest.experiments.mil.worker import serve; serve(asked['job'], asked['parent'])"
+    "from relforest.experiments.mil.worker import serve; "
+    "serve(asked['job'], asked['parent'], asked['prepared'])"
 )
 _ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _LOOK_SECONDS: Final = 0.1
@@ -28,11 +31,12 @@ _SHOWN: Final = 4000
 @final
 @dataclass(frozen=True, slots=True)
 class _Ended:
-    """How a process ended: its exit status, what it complained of, and its largest memory."""
+    """How a process ended: its exit status, what it complained of, its largest memory, how far it came."""
 
     status: int
     errors: str
     peak_bytes: int
+    was_prepared: bool
 
 
 def run_job(job: Job, name: str) -> list[Step]:
@@ -51,13 +55,23 @@ def run_job(job: Job, name: str) -> list[Step]:
 
     Raises
     ------
+    InputError
+        If this machine allows a process less CPU time than a step may take.
     RelforestError
-        If a process ends otherwise than by having done its work or exceeding its limit.
+        If a process ends otherwise than by having done its work or a step that exceeds its limit.
     """
     steps = job.saved()
+    if not job.is_over(steps):
+        _check_limit(job, name)
     while not job.is_over(steps):
         ended = _run(job)
         steps = job.saved()
+        if ended.status == -signal.SIGXCPU and not ended.was_prepared:
+            raise RelforestError(
+                f"{name}: the process took more than {PREPARATION:.0f} CPU seconds before its first step, "
+                "for reading data, compiling and a first small problem, so that nothing is known of the "
+                "method; give the command again: what has been compiled is kept"
+            )
         if ended.status == -signal.SIGXCPU:
             steps.append(Step(STOPPED, None, ended.peak_bytes))
             job.save(steps)
@@ -69,19 +83,34 @@ def run_job(job: Job, name: str) -> list[Step]:
     return steps
 
 
+def _check_limit(job: Job, name: str) -> None:
+    hard = _hard_limit()
+    if hard is not None and hard < job.cpu_limit:
+        raise InputError(
+            f"{name}: a step may take {job.cpu_limit:g} CPU seconds, but every process started from here is "
+            f"ended after {hard}: raise that limit (ulimit -t), best to unlimited"
+        )
+
+
+def _hard_limit() -> int | None:
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    return None if hard == resource.RLIM_INFINITY else hard
+
+
 def _run(job: Job) -> _Ended:
     with (
         _pipe() as (reading, _),
+        _pipe() as (told, telling),
         subprocess.Popen(  # noqa: S603 - our own interpreter
             [sys.executable, "-c", _START],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
-            pass_fds=(reading,),
+            pass_fds=(reading, telling),
             env={**os.environ, **_ONE_THREAD},
         ) as process,
     ):
-        asked = {"path": sys.path, "job": job.to_dict(), "parent": reading}
+        asked = {"path": sys.path, "job": job.to_dict(), "parent": reading, "prepared": telling}
         message: bytes | None = json.dumps(asked).encode()
         peak = 0
         while True:
@@ -94,7 +123,8 @@ def _run(job: Job) -> _Ended:
                 process.kill()
                 raise
             else:
-                return _Ended(process.returncode, errors.decode(errors="replace"), peak)
+                was_prepared = bool(select([told], [], [], 0)[0])
+                return _Ended(process.returncode, errors.decode(errors="replace"), peak, was_prepared)
 
 
 @contextmanager
@@ -110,7 +140,9 @@ def _pipe() -> Iterator[tuple[int, int]]:
 def _told(status: int) -> str:
     """Say how a process ended."""
     if status == -signal.SIGKILL:
-        return "was killed, perhaps for want of memory"
+        hard = _hard_limit()
+        limit = "" if hard is None else f"because it took {hard} CPU seconds in all (ulimit -t), or "
+        return f"was killed, perhaps {limit}for want of memory"
     if status < 0:
         return f"was ended by the signal {signal.Signals(-status).name}"
     return "ended early" if status == 0 else f"failed with exit status {status}"

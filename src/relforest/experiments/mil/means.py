@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from relforest.experiments.mil.cells import Results
+from relforest.experiments.mil.data import DATA_SETS
 from relforest.experiments.mil.methods import IMPROVED
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A method over all data sets that it was tried on.
+    """A method over the data sets that it was tried on.
 
     Parameters
     ----------
     n_data_sets, n_stopped : int
         On how many it was tried, and stopped.
     with_zeros : float
-        Mean score with 0 for those where it was stopped.
+        Mean score with 0 for those where it was stopped; NaN if it was tried on none.
     of_finished : float
         Mean score over those it finished; NaN if there is none.
     improved_with_zeros, improved_on_finished : float
@@ -43,9 +46,17 @@ class Mean:
         )
 
 
-def means(results: Results, method: str) -> Mean:
-    """Return the means of a method over the data sets it was tried on."""
-    tried = [name for name in results.data_sets if results.get(name, method) is not None]
+def means(results: Results, method: str, among: Collection[str] = tuple(DATA_SETS)) -> Mean:
+    """Return the means of a method over the data sets it was tried on.
+
+    Parameters
+    ----------
+    results : Results
+    method : str
+    among : collection of str
+        Only of these data sets.
+    """
+    tried = [name for name in results.data_sets if name in among and results.get(name, method) is not None]
     own = np.array([_score(results, name, method) for name in tried])
     other = np.array([_score(results, name, IMPROVED) for name in tried])
     finished = ~np.isnan(own)
@@ -55,11 +66,15 @@ def means(results: Results, method: str) -> Mean:
     return Mean(
         len(tried),
         int((~finished).sum()),
-        float(np.nan_to_num(own).mean()),
-        float(own[finished].mean()) if finished.any() else float("nan"),
-        float(other.mean()),
-        float(other[finished].mean()) if finished.any() else float("nan"),
+        _mean(np.nan_to_num(own)),
+        _mean(own[finished]),
+        _mean(other),
+        _mean(other[finished]),
     )
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    return float(values.mean()) if len(values) else float("nan")
 
 
 def _score(results: Results, data_set: str, method: str) -> float:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, final
 
-from relforest.experiments.mil.data import DATA_SETS, why_unreadable
+from relforest.experiments.mil.data import absence
 from relforest.experiments.mil.folds import prepare_folds, prepare_trials
 from relforest.experiments.mil.grid import best_point, grid_points
 from relforest.experiments.mil.limited import run_job
@@ -18,7 +17,6 @@ from relforest.experiments.study import Obstacle, Place
 from relforest.experiments.table import Row
 
 _CELLS: Final = "cells"
-_ORIGIN: Final = " Source of the data:"
 _COUNTS: Final = ("n_bags", "n_positive", "n_instances", "n_features")
 
 
@@ -59,21 +57,15 @@ def measured(setting: MilSetting, place: Place, work: Work) -> list[Row]:
 
 
 def obstacles(settings: Sequence[MilSetting]) -> Mapping[MilSetting, Obstacle]:
-    """Return the settings whose data are not here."""
-    names = dict.fromkeys(setting.data_set for setting in settings)
-    found = {name: _obstacle(name) for name in names}
+    """Return the settings whose data are not here.
+
+    Raises
+    ------
+    DataError
+        If data are here, but damaged.
+    """
+    found = {name: absence(name) for name in dict.fromkeys(setting.data_set for setting in settings)}
     return {setting: obstacle for setting in settings if (obstacle := found[setting.data_set]) is not None}
-
-
-def _obstacle(name: str) -> Obstacle | None:
-    data_set = DATA_SETS[name]
-    reason = why_unreadable(data_set)
-    if reason is None:
-        return None
-    # Told once for all data sets that are missing for it.
-    reason = reason.partition(_ORIGIN)[0]
-    own = "|".join((name, name.replace("-", "_"), data_set.title))
-    return Obstacle(data_set.title, re.sub(rf"\b({own})\b", "NAME", reason))
 
 
 def _chosen(

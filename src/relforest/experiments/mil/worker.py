@@ -11,7 +11,7 @@ import os
 import resource
 import signal
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from threading import Thread
 from typing import Any, Final
@@ -21,13 +21,13 @@ from relforest.support.errors import InputError
 from relforest.support.files import read_input
 from relforest.support.parallel import one_blas_thread
 
-_PREPARATION: Final = 600.0
+PREPARATION: Final = 600.0
 """CPU seconds for what is done once: reading data, compiling, a first small problem."""
 _STATUS: Final = "/proc/{}/status"
 _PEAK: Final = "VmHWM:"
 
 
-def serve(document: Mapping[str, Any], parent: int) -> None:
+def serve(document: Mapping[str, Any], parent: int, prepared: int) -> None:
     """Do what is left of a job in a process started for it.
 
     Parameters
@@ -36,6 +36,8 @@ def serve(document: Mapping[str, Any], parent: int) -> None:
         `Job.to_dict`.
     parent : int
         File descriptor of a pipe whose other end is closed when the starter of this process ends.
+    prepared : int
+        File descriptor of a pipe that a byte is written to when the first step is about to begin.
     """
     Thread(target=_end_with, args=(parent,), daemon=True).start()
     signal.signal(signal.SIGXCPU, signal.SIG_DFL)
@@ -43,16 +45,24 @@ def serve(document: Mapping[str, Any], parent: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
     job = Job.from_dict(document)
     # Behind the limit of each step, as a hard limit cannot be raised again.
-    _set_hard_limit(2 * (_PREPARATION + job.n_steps * (job.cpu_limit + 1)))
-    work_through(job)
+    _set_hard_limit(2 * (PREPARATION + job.n_steps * (job.cpu_limit + 1)))
+    work_through(job, lambda: os.write(prepared, b"."))
 
 
-def work_through(job: Job) -> None:
-    """Do what is left of a job; a step over the limit ends the process, or is told from its time."""
+def work_through(job: Job, on_prepared: Callable[[], object] = lambda: None) -> None:
+    """Do what is left of a job; a step over the limit ends the process, or is told from its time.
+
+    Parameters
+    ----------
+    job : Job
+    on_prepared : callable
+        Called when the preparation is over: from then on, only a step can exceed its limit.
+    """
     steps = job.saved()
     with one_blas_thread():
-        with cpu_limit(_PREPARATION):
+        with cpu_limit(PREPARATION):
             task_of = job.prepare(job.asked)
+        on_prepared()
         while not job.is_over(steps):
             task = task_of(len(steps))
             with cpu_limit(job.cpu_limit):

@@ -8,7 +8,7 @@ question, the command and the result seen stand in ``README.md``.
 from __future__ import annotations
 
 from relforest.experiments.mil_ablation.analysis import figures, summarize
-from relforest.experiments.mil_ablation.run import compute
-from relforest.experiments.mil_ablation.settings import SETTINGS, SMOKE
+from relforest.experiments.mil_ablation.run import compute, obstacles
+from relforest.experiments.mil_ablation.settings import CHOICES, SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "obstacles", "summarize"]

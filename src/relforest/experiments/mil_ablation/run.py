@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import count, islice
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-from sklearn.model_selection import StratifiedKFold
 
 from relforest.datasets import BagSet, color, covariant1, covariant2, disjunctive, fetch_musk1
+from relforest.experiments.mil.data import N_FOLDS, Split, absence, cross_validation
 from relforest.experiments.mil_ablation.made_up import (
     digit_mixture,
     digits,
@@ -19,8 +19,8 @@ from relforest.experiments.mil_ablation.made_up import (
     three_parts,
     wide,
 )
-from relforest.experiments.mil_ablation.settings import VARIANTS, AblationSetting
-from relforest.experiments.study import Place
+from relforest.experiments.mil_ablation.settings import MUSK, VARIANTS, AblationSetting
+from relforest.experiments.study import Obstacle, Place
 from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
@@ -28,22 +28,20 @@ from relforest.mil.bag_classifier import BagClassifier
 from relforest.support.rng import generator, stream
 
 _DATA, _LEARNING, _FOLDS = 0, 1, 2
-_N_FOLDS: Final = 10
-_USUAL: Final = MappingProxyType({"rare": 150, "elements": 150})
+_IN_HALVES: Final = ("digits", "digit-mixture")
 
-# The last argument is 0 for training and 1 for test bags.
-GENERATORS: Final[Mapping[str, Callable[[np.random.Generator, int, int], BagSet]]] = MappingProxyType(
+GENERATORS: Final[Mapping[str, Callable[..., BagSet]]] = MappingProxyType(
     {
-        "color": lambda rng, n, _: color(rng, n_bags=n),
-        "covariant1": lambda rng, n, _: covariant1(rng, n_bags=n),
-        "covariant2": lambda rng, n, _: covariant2(rng, n_bags=n),
-        "disjunctive": lambda rng, n, _: disjunctive(rng, n_bags=n),
-        "three-parts": lambda rng, n, _: three_parts(rng, n),
-        "rare": lambda rng, n, _: rare(rng, n),
-        "wide": lambda rng, n, _: wide(rng, n),
-        "elements": lambda rng, n, _: elements(rng, n),
-        "digits": lambda rng, n, half: digits(rng, n, half=half),
-        "digit-mixture": lambda rng, n, half: digit_mixture(rng, n, half=half),
+        "color": color,
+        "covariant1": covariant1,
+        "covariant2": covariant2,
+        "disjunctive": disjunctive,
+        "three-parts": three_parts,
+        "rare": rare,
+        "wide": wide,
+        "elements": elements,
+        "digits": digits,
+        "digit-mixture": digit_mixture,
     }
 )
 
@@ -51,14 +49,27 @@ GENERATORS: Final[Mapping[str, Callable[[np.random.Generator, int, int], BagSet]
 def compute(setting: AblationSetting, place: Place) -> list[Row]:
     """Return a row per draw and variant: data_set, variant, draw, pss."""
     rows: list[Row] = []
-    for draw in range(setting.draws):
-        train, test = pair(setting, place, draw)
+    for draw, split in enumerate(splits(setting, place)):
+        train, test = split.train, split.test
         for variant in setting.variants:
             untrained = learner(variant, stream(place.stream, draw, _LEARNING))
             predicted = untrained.fit(train.bags, train.labels).predict(test.bags)
             score = peirce_skill_score(test.labels, predicted)
             rows.append({"data_set": setting.data_set, "variant": variant, "draw": draw, "pss": score})
     return rows
+
+
+def obstacles(settings: Sequence[AblationSetting]) -> Mapping[AblationSetting, Obstacle]:
+    """Return the settings whose data are not here.
+
+    Raises
+    ------
+    DataError
+        If data are here, but damaged.
+    """
+    of_musk = [setting for setting in settings if setting.data_set == MUSK]
+    obstacle = absence(MUSK) if of_musk else None
+    return {} if obstacle is None else dict.fromkeys(of_musk, obstacle)
 
 
 def learner(variant: str, seed: np.random.SeedSequence) -> BagClassifier:
@@ -69,20 +80,25 @@ def learner(variant: str, seed: np.random.SeedSequence) -> BagClassifier:
     return VolumeCommitteeClassifier(random_state=seed, **options)
 
 
-def pair(setting: AblationSetting, place: Place, draw: int) -> tuple[BagSet, BagSet]:
-    """Return the training and the test bags of a draw."""
-    if setting.data_set in GENERATORS:
-        rng = generator(stream(place.stream, draw, _DATA))
-        n_bags = setting.n_bags or _USUAL.get(setting.data_set, 100)
-        generate = GENERATORS[setting.data_set]
-        return generate(rng, n_bags, 0), generate(rng, n_bags, 1)
+def splits(setting: AblationSetting, place: Place) -> Iterator[Split]:
+    """Yield the training and the test bags of every draw."""
+    if setting.data_set == MUSK:
+        yield from islice(_musk_folds(place.stream), setting.draws)
+    else:
+        for draw in range(setting.draws):
+            yield _drawn(setting, generator(stream(place.stream, draw, _DATA)))
+
+
+def _drawn(setting: AblationSetting, rng: np.random.Generator) -> Split:
+    size = {"n_bags": setting.n_bags} if setting.n_bags else {}
+    # No image of training is seen in the test.
+    train, test = ({"half": 0}, {"half": 1}) if setting.data_set in _IN_HALVES else ({}, {})
+    draw = GENERATORS[setting.data_set]
+    return Split(draw(rng, **size, **train), draw(rng, **size, **test))
+
+
+def _musk_folds(seed: np.random.SeedSequence) -> Iterator[Split]:
+    """Yield the folds of one cross-validation after the other."""
     data = fetch_musk1()
-    repeat, fold = divmod(draw, _N_FOLDS)
-    shuffle = int(generator(stream(place.stream, repeat, _FOLDS)).integers(2**31))
-    folds = StratifiedKFold(_N_FOLDS, shuffle=True, random_state=shuffle)
-    train, test = list(folds.split(data.labels, data.labels))[fold]
-    return _taken(data, train), _taken(data, test)
-
-
-def _taken(data: BagSet, chosen: NDArray[np.int64]) -> BagSet:
-    return BagSet([data.bags[number] for number in chosen], data.labels[chosen])
+    for repeat in count():
+        yield from map(cross_validation(data, generator(stream(seed, repeat, _FOLDS))), range(N_FOLDS))

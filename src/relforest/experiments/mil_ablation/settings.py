@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, Final, final
 
@@ -22,7 +23,7 @@ class AblationSetting:
     draws : int
         Pairs of a training and a test set; of Musk 1, folds of repeated 10-fold cross validation.
     n_bags : int
-        Bags in each synthetic set; 0 for what is usual.
+        Bags in each synthetic set; 0 for as many as its generator draws by default.
     is_whole : bool
         Whether all variants are run, or just the published algorithm and the committee.
     """
@@ -57,6 +58,10 @@ TITLES: Final = MappingProxyType(
         "musk1": "Musk 1",
     }
 )
+MUSK: Final = "musk1"
+MODELLED: Final = ("rare", "wide", "elements")
+"""Made-up sets that imitate facts of published ones, of which `mil` is to be an independent comparison."""
+
 PUBLISHED: Final = "CovAgg"
 COMMITTEE: Final = "committee"
 # Name -> options of the committee; None stands for the published algorithm.
@@ -75,9 +80,14 @@ VARIANTS: Final[Mapping[str, Mapping[str, Any] | None]] = MappingProxyType(
 
 # Two repetitions of cross validation, since its folds share most of their bags.
 SETTINGS: Final = tuple(
-    AblationSetting(data_set, draws=20 if data_set == "musk1" else 10) for data_set in TITLES
+    AblationSetting(data_set, draws=20 if data_set == MUSK else 10) for data_set in TITLES
 )
 SMOKE: Final = tuple(
     AblationSetting(data_set, draws=2, n_bags=12, is_whole=False)
     for data_set in ("color", "covariant1", "disjunctive", "digits")
 )
+
+CHOICES: Final[Mapping[str, Callable[[AblationSetting], str]]] = MappingProxyType(
+    {"datasets": attrgetter("data_set")}
+)
+"""What settings may be chosen by on the command line."""
