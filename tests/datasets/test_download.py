@@ -9,7 +9,7 @@ from threading import Thread
 import pytest
 
 from relforest.datasets.download import data_file
-from relforest.support.errors import DataError
+from relforest.support.errors import DataError, MissingDataError
 
 NAME = "bags.csv.gz"
 RIGHT = b"the published bytes"
@@ -156,7 +156,7 @@ def test_a_damaged_file_in_the_cache_is_refused_without_an_address(cache: Path) 
 
 
 def test_a_missing_file_is_told_how_to_get(cache: Path) -> None:
-    with pytest.raises(DataError) as error:
+    with pytest.raises(MissingDataError) as error:
         get(cache)
     for remedy in (
         f"looked in {cache}",
