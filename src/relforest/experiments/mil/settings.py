@@ -77,7 +77,7 @@ PEER_TOLERANCE: Final = 0.08
 EXPLAINED: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
     {
         ("covariant1", EM_DD): (
-            "the source's program itself, run on 100 of our draws of this set, has .42 +- .03, which agrees "
+            "the source's program itself, run on 100 draws of this set, has .42 +- .03, which agrees "
             "with the source's .38 +- .04; ours has about .05 more, probably since it loses no start: see "
             "Disjunctive"
         ),
