@@ -87,20 +87,33 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         """Score of each bag, (n_bags,): at least 0 where positive."""
 
     def _checked(self, bags: object) -> Bags:
-        check_is_fitted(self)
-        data = as_bags(bags)
-        if data.dim != self.n_features_in_:
-            raise InputError(
-                f"X has {data.dim} features, but {type(self).__name__} is expecting "
-                f"{self.n_features_in_} features as input"
-            )
-        return data
+        return bags_like_those_of_fit(self, bags)
 
     def __sklearn_tags__(self) -> Tags:
         """Binary only; the rest is scikit-learn's."""
         tags = super().__sklearn_tags__()
         tags.classifier_tags.multi_class = False
         return tags
+
+
+def bags_like_those_of_fit(estimator: BaseEstimator, bags: object) -> Bags:
+    """Check bags that a fitted estimator is given.
+
+    Raises
+    ------
+    NotFittedError
+        If it is not fitted.
+    InputError
+        If bags are malformed or have another number of features than ``n_features_in_``.
+    """
+    check_is_fitted(estimator)
+    data = as_bags(bags)
+    if data.dim != estimator.n_features_in_:
+        raise InputError(
+            f"X has {data.dim} features, but {type(estimator).__name__} is expecting "
+            f"{estimator.n_features_in_} features as input"
+        )
+    return data
 
 
 class InstanceClassifier(BagClassifier, ABC):

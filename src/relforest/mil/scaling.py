@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin
-from sklearn.utils.validation import check_is_fitted
 
+from relforest.mil.bag_classifier import bags_like_those_of_fit
 from relforest.scenes.bags import as_bags
-from relforest.support.errors import InputError
 from relforest.support.options import one_of
 
 if TYPE_CHECKING:
@@ -141,13 +140,7 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
         InputError
             If bags are malformed or have another number of features.
         """
-        check_is_fitted(self)
-        data = as_bags(bags)
-        if data.dim != self.n_features_in_:
-            raise InputError(
-                f"X has {data.dim} features, but {type(self).__name__} is expecting "
-                f"{self.n_features_in_} features as input"
-            )
+        bags_like_those_of_fit(self, bags)
         if isinstance(bags, tuple) and len(bags) == 2 and np.ndim(bags[1]) < 2:
             return self._scaled(bags[0]), bags[1]
         if isinstance(bags, (list, tuple)) and np.ndim(bags[0]) == 2:
