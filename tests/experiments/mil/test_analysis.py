@@ -24,7 +24,7 @@ def test_every_table_has_ours_and_the_sources_numbers() -> None:
         return [" ".join(line.split()) for line in lines[at + 2 : at + 2 + count]]
 
     # Half widths: 2.2622 * .1054 / sqrt 10 = .0754
-    scores = next(line for line in lines if line.startswith("> and <:"))
+    scores = next(line for line in lines if line.startswith("Marks > and <:"))
     assert cells(scores, 4) == [
         "Covariant 1 0.75 +- 0.08 > 0.45 +- 0.08 > 0.41 +- 0.08",
         "source 0.76 +- 0.02 > 0.46 +- 0.02 > 0.24 +- 0.03",

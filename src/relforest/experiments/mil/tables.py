@@ -23,8 +23,8 @@ from relforest.experiments.mil.sheets import (
 
 _SOURCE = "  source"
 _MARKS = (
-    "> and <: CovAgg's is significantly more or less than this one (two-sample t-test; at .05 where the "
-    f"other is better, corrected for {N_COMPARISONS} comparisons where CovAgg is)"
+    "Marks > and <: CovAgg's is significantly more or less than this one (two-sample t-test; at .05 where "
+    f"the other is better, corrected for {N_COMPARISONS} comparisons where CovAgg is)"
 )
 
 
