@@ -34,8 +34,9 @@ def test_findings_tell_what_is_not_claimed_once_per_reason() -> None:
         Unclaimed("memory", ("Fox",)),
         Unclaimed("time", ("Fox",)),
     )
-    findings = Findings("text", (met,), unclaimed=left_out)
+    findings = Findings.of("text", (*left_out[:1], met, *left_out[1:]))
 
+    assert (findings.claims, findings.unclaimed) == ((met,), left_out)
     assert findings.are_met
     assert str(findings).splitlines()[2:] == [
         "Claims",

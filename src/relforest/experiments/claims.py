@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import final
 
 
@@ -80,6 +81,22 @@ class Findings:
     claims: tuple[Claim, ...] = ()
     documents: Mapping[str, str] = field(default_factory=dict)
     unclaimed: tuple[Unclaimed, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        text: str,
+        verdicts: Iterable[Claim | Unclaimed],
+        documents: Mapping[str, str] = MappingProxyType({}),
+    ) -> Findings:
+        """Sort verdicts into claims that are made and claims that cannot be made."""
+        verdicts = tuple(verdicts)
+        return cls(
+            text,
+            tuple(verdict for verdict in verdicts if isinstance(verdict, Claim)),
+            documents,
+            tuple(verdict for verdict in verdicts if isinstance(verdict, Unclaimed)),
+        )
 
     @property
     def are_met(self) -> bool:

@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from experiments.mil.results import around, results_of, rows
-from relforest.experiments.claims import Claim
+from relforest.experiments.claims import Claim, Unclaimed
 from relforest.experiments.mil import bounds
-from relforest.experiments.mil.bounds import claims, exceptions, unclaimed
+from relforest.experiments.mil.bounds import exceptions, verdicts
 from relforest.experiments.mil.cells import Results
 from relforest.experiments.mil.data import DATA_SETS, HELD_OUT
 from relforest.experiments.mil.methods import IMPROVED, METHODS, PEERS
@@ -14,8 +14,16 @@ from relforest.experiments.table import Row
 from relforest.metrics import Moments, two_sample_p_value
 
 
+def claims(results: Results) -> list[Claim]:
+    return [verdict for verdict in verdicts(results, 300.0) if isinstance(verdict, Claim)]
+
+
+def unclaimed(results: Results) -> list[Unclaimed]:
+    return [verdict for verdict in verdicts(results, 300.0) if isinstance(verdict, Unclaimed)]
+
+
 def found(results: Results, part: str) -> list[Claim]:
-    return [claim for claim in claims(results, 300.0) if part in claim.name]
+    return [claim for claim in claims(results) if part in claim.name]
 
 
 def test_scores_are_tested_against_the_sources() -> None:
@@ -43,7 +51,7 @@ def test_standard_sets_may_be_better_but_not_worse() -> None:
 def test_color_is_compared_with_nothing() -> None:
     results = results_of(rows("color", "covagg", pss=around(0.2)), rows("color", "em-dd", pss=around(0.2)))
 
-    assert [claim.name for claim in claims(results, 300.0) if "source" in claim.name] == []
+    assert [claim.name for claim in claims(results) if "source" in claim.name] == []
 
 
 def test_peers_are_near_the_source_or_explained(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,8 +105,8 @@ def test_covagg_itself_must_not_be_stopped() -> None:
         rows("musk2", "covagg", pss=[0.5, None]), rows("musk2", "dd", pss=[0.5, 0.5], seconds=1.0)
     )
 
-    assert len(list(claims(results, 300.0))) == 3
-    assert not any(claim.is_met for claim in claims(results, 300.0))
+    assert len(claims(results)) == 3
+    assert not any(claim.is_met for claim in claims(results))
 
 
 def whole() -> list[list[Row]]:

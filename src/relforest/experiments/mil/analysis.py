@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from relforest.experiments.claims import Findings
-from relforest.experiments.mil.bounds import claims, exceptions, unclaimed
+from relforest.experiments.mil.bounds import exceptions, verdicts
 from relforest.experiments.mil.cells import Results
 from relforest.experiments.mil.settings import SETTINGS
 from relforest.experiments.mil.tables import sheets
@@ -20,9 +20,4 @@ def summarize(table: Table) -> Findings:
         parts.append("\n".join(["Known differences from the source, of which nothing is claimed", *lines]))
     markdown = "\n\n".join(sheet.to_markdown() for sheet in laid_out)
     limit = min(setting.cpu_limit for setting in SETTINGS)
-    return Findings(
-        "\n\n".join(parts),
-        tuple(claims(results, limit)),
-        {"tables.md": f"{markdown}\n"},
-        tuple(unclaimed(results)),
-    )
+    return Findings.of("\n\n".join(parts), verdicts(results, limit), {"tables.md": f"{markdown}\n"})

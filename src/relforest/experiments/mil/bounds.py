@@ -37,8 +37,8 @@ _WHOLES: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
 )
 
 
-def claims(results: Results, cpu_limit: float) -> Iterator[Claim]:
-    """Yield all claims that the results allow.
+def verdicts(results: Results, cpu_limit: float) -> Iterator[Claim | Unclaimed]:
+    """Yield all claims of the study, those that something was left out for as `Unclaimed`.
 
     Parameters
     ----------
@@ -46,12 +46,12 @@ def claims(results: Results, cpu_limit: float) -> Iterator[Claim]:
     cpu_limit : float
         CPU seconds that a method which was stopped would have needed at least.
     """
-    yield from (verdict for verdict in _verdicts(results, cpu_limit) if isinstance(verdict, Claim))
-
-
-def unclaimed(results: Results) -> Iterator[Unclaimed]:
-    """Yield the claims of the whole study that the results do not allow, since something was left out."""
-    yield from (verdict for verdict in _verdicts(results, 0.0) if isinstance(verdict, Unclaimed))
+    yield from _reproduction(results)
+    yield from _peers(results)
+    yield from _speed(results, cpu_limit)
+    for which, whole in _WHOLES.items():
+        yield _lead(results, which, whole)
+    yield from _memory(results)
 
 
 def exceptions(results: Results) -> Iterator[str]:
@@ -64,15 +64,6 @@ def exceptions(results: Results) -> Iterator[str]:
             if abs(difference) > PEER_TOLERANCE:
                 title = f"{DATA_SETS[data_set].title}, {METHODS[method].title}"
                 yield f"{title}: {found.skill.mean:.2f}, source {source:.2f} ({difference:+.2f}): {reason}"
-
-
-def _verdicts(results: Results, cpu_limit: float) -> Iterator[Claim | Unclaimed]:
-    yield from _reproduction(results)
-    yield from _peers(results)
-    yield from _speed(results, cpu_limit)
-    for which, whole in _WHOLES.items():
-        yield _lead(results, which, whole)
-    yield from _memory(results)
 
 
 def _missing(results: Results, data_sets: Sequence[str], methods: Sequence[str]) -> tuple[str, ...]:

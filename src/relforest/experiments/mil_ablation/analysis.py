@@ -67,12 +67,7 @@ def summarize(table: Table) -> Findings:
         left_out = ", ".join(TITLES[name] for name in sets if name in MODELLED)
         text += f"\n*: without the sets modelled on published ones ({left_out})"
     text += "\n\n" + aligned((*header, *(TITLES[name] for name in sets)), rows)
-    verdicts = list(_verdicts(table, sets))
-    return Findings(
-        text,
-        tuple(verdict for verdict in verdicts if isinstance(verdict, Claim)),
-        unclaimed=tuple(verdict for verdict in verdicts if isinstance(verdict, Unclaimed)),
-    )
+    return Findings.of(text, _verdicts(table, sets))
 
 
 def _names(table: Table, column: str) -> list[str]:
