@@ -17,7 +17,7 @@ from relforest.mil.placed_volume import PlacedVolume, bag_nearness
 from relforest.mil.volume_panels import BALL_RULES, PANELS, Rule, find_volumes, rows_of, volume_rule
 from relforest.support.rng import generator, stream
 
-__all__ = ["Found", "PanelMember", "Training", "find_split_volumes", "split_bags", "train_panels"]
+__all__ = ["PanelMember", "PanelVolumes", "Training", "find_split_volumes", "split_bags", "train_panels"]
 
 
 @final
@@ -37,7 +37,7 @@ class Training:
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class PanelVolumes:
     """Volumes of a panel and how near all bags are to them."""
 
     volumes: list[PlacedVolume]
@@ -68,7 +68,7 @@ def split_bags(
 
 def find_split_volumes(
     training: Training, panels: tuple[str, ...], train: NDArray[np.int64], seed: np.random.SeedSequence
-) -> dict[str, Found]:
+) -> dict[str, PanelVolumes]:
     """Let the panels of aggregated volumes find theirs in the bags `train`."""
     positive = training.positive[train]
     rows, starts = rows_of(training.starts, train)
@@ -87,14 +87,14 @@ def find_split_volumes(
             part_size=training.part_size,
             rng=rng,
         )
-        found[name] = Found(volumes, bag_nearness(volumes, training.points, training.starts))
+        found[name] = PanelVolumes(volumes, bag_nearness(volumes, training.points, training.starts))
     return found
 
 
 def train_panels(
     training: Training,
     panels: tuple[str, ...],
-    found: dict[str, Found],
+    found: dict[str, PanelVolumes],
     train: NDArray[np.int64],
     test: NDArray[np.int64],
 ) -> list[PanelMember]:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from relforest.mil.aggregated import aggregated_ellipsoid
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.scenes.bags import Bags
 from relforest.support.rng import RandomState, generator, seed_sequence
-from relforest.volumes import CovAggSettings, Ellipsoid, aggregate
+from relforest.volumes import CovAggSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -89,11 +90,7 @@ class CovAggClassifier(InstanceClassifier):
             self.window, self.prior_weight, self.max_condition, self.restarts, self.sampled
         )
         rng = generator(seed_sequence(self.random_state))
-        found = aggregate(bags.points, bags.starts, positive, rng=rng, settings=settings)
-        if found is None or not isinstance(found.volume, Ellipsoid):
-            msg = "no volume was found although both classes are present; please report this"
-            raise AssertionError(msg)
-        self.volume_ = found.volume
+        self.volume_ = aggregated_ellipsoid(bags.points, bags.starts, positive, rng=rng, settings=settings)
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Radius minus distance from the centre (eq. 3.3)."""

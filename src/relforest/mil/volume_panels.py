@@ -6,7 +6,6 @@ bag to each of them counts. Letters: b bags, k volumes of a panel.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -14,13 +13,14 @@ from typing import Final, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LogisticRegression
 from sklearn.svm import LinearSVC
 
+from relforest.mil.aggregated import aggregated_ellipsoid
+from relforest.mil.convergence import convergence_unwarned
 from relforest.mil.feature_view import FeatureView
 from relforest.mil.placed_volume import PlacedVolume
-from relforest.volumes import CovAggSettings, Ellipsoid, aggregate
+from relforest.volumes import CovAggSettings
 
 __all__ = [
     "BALL_RULES",
@@ -129,11 +129,8 @@ def find_volumes(
         settings = CovAggSettings(max_condition=float(rng.choice(plan.conditions)), restarts=_RESTARTS)
         rows, sample_starts = rows_of(starts, sampled)
         points = np.ascontiguousarray(coordinates[np.ix_(rows, features)])
-        result = aggregate(points, sample_starts, wanted[sampled], rng=rng, settings=settings)
-        if result is None or not isinstance(result.volume, Ellipsoid):
-            msg = "no volume was found although both classes are present; please report this"
-            raise AssertionError(msg)
-        found.append(PlacedVolume(panel, part, result.volume, number % 2 == 0, 0.0))
+        ellipsoid = aggregated_ellipsoid(points, sample_starts, wanted[sampled], rng=rng, settings=settings)
+        found.append(PlacedVolume(panel, part, ellipsoid, number % 2 == 0, 0.0))
     return found
 
 
@@ -174,10 +171,8 @@ def _fitted(
     if near.shape[1] == 0:
         # All balls are around instances of bags left out.
         return Rule(np.empty(0), 0.0)
-    with warnings.catch_warnings():
-        # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
-        # Not for threads, which share one list of filters.
-        warnings.simplefilter("ignore", ConvergenceWarning)
+    # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
+    with convergence_unwarned():
         model.fit(near, positive)
     return Rule(model.coef_[0].astype(np.float64), float(model.intercept_[0]))
 

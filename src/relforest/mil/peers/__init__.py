@@ -5,8 +5,13 @@ All take bags and labels as `relforest.mil.CovAggClassifier` does. `OptimalBallC
 lies: a ball, a box, and two ellipsoids along the axes. The others are support vector machines:
 `BagMarginSVMClassifier` (MI-SVM) and `InstanceMarginSVMClassifier` (mi-SVM) label instances too,
 `MILESClassifier` labels bags only, and `SingleInstanceSVMClassifier` is the baseline that ignores the bags;
-`tuned` chooses their parameters by cross-validation. Start with `OptimalBallClassifier`, which is fast and
-has nothing to tune.
+`tuned` chooses their parameters by cross-validation. MI-SVM and mi-SVM are called by the margin that they
+maximise, as their published names differ in nothing but capitals. Start with `OptimalBallClassifier`, which
+is fast and has nothing to tune.
+
+Train support vector machines at the same time in several processes, not threads: their solvers' warning that
+they did not converge is held back meanwhile, which `converged_` says, and Python's filters of warnings belong
+to all threads.
 """
 
 from __future__ import annotations

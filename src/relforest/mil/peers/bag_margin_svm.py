@@ -65,11 +65,8 @@ class BagMarginSVMClassifier(InstanceClassifier):
     That makes slack dearer for negative bags than for positive ones.
 
     Where means of bags say little, the first choice hangs on details of the solution, and so does the last
-    one: on the set Disjunctive of Palmer (2015), the mean Peirce skill score is 0.24 with the default `tol`
-    and 0.41 with 1e-6, which takes ten times as long.
-
-    Fit machines at the same time in several processes, not threads: LIBSVM's warning that it did not
-    converge is filtered out meanwhile, and Python's filters of warnings belong to all threads.
+    one: on the set Disjunctive of Palmer (2015), the mean Peirce skill score is about 0.2 with the default
+    `tol` and 0.4 with 1e-6, which takes ten times as long.
 
     References
     ----------

@@ -59,11 +59,6 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
     n_features_in_ : int
         Dimension of the points.
 
-    Notes
-    -----
-    Fit machines at the same time in several processes, not threads: LIBSVM's warning that it did not
-    converge is filtered out meanwhile, and Python's filters of warnings belong to all threads.
-
     References
     ----------
     Andrews, Tsochantaridis and Hofmann (2002), Support vector machines for multiple-instance learning,

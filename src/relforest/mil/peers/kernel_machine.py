@@ -6,14 +6,13 @@ Dimensions: n training points, m support vectors, d features, p points to score.
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
-from sklearn.exceptions import ConvergenceWarning
 from sklearn.svm import SVC
 
+from relforest.mil.convergence import convergence_unwarned
 from relforest.mil.squared_distances import squared_distances
 from relforest.support.options import at_least, in_range
 
@@ -155,9 +154,7 @@ class KernelProblem:
             max_iter=settings.max_iter,
             cache_size=_CACHE_SIZE,
         )
-        with warnings.catch_warnings():
-            # Said by `converged` instead. Not safe in threads, but SVC has no switch for its warning.
-            warnings.simplefilter("ignore", ConvergenceWarning)
+        with convergence_unwarned():
             solver.fit(self._kernel if stored else self._centered, positive)
         rows = solver.support_.astype(np.int64)
         return KernelMachine(

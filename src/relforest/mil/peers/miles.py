@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
-from sklearn.exceptions import ConvergenceWarning
 from sklearn.svm import LinearSVC
 
 from relforest.mil.bag_classifier import BagClassifier
+from relforest.mil.convergence import convergence_unwarned
 from relforest.mil.peers.kernel_width import kernel_gamma
 from relforest.mil.squared_distances import squared_distances
 from relforest.scenes.bags import Bags
@@ -77,9 +76,6 @@ class MILESClassifier(BagClassifier):
     Where C is so small that all weights are 0, there is no prototype and every score is `intercept_`: without
     `fit_intercept` it is 0, and every bag is positive.
 
-    Fit machines at the same time in several processes, not threads: LIBLINEAR's warning that it did not
-    converge is filtered out meanwhile, and Python's filters of warnings belong to all threads.
-
     References
     ----------
     Chen, Bi and Wang (2006), MILES: multiple-instance learning via embedded instance selection.
@@ -130,11 +126,9 @@ class MILESClassifier(BagClassifier):
             random_state=int(generator(seed_sequence(self.random_state)).integers(2**31)),
         )
         gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
-        with warnings.catch_warnings():
-            # Said by `converged_` instead. Not safe in threads, but LinearSVC has no switch for its warning.
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            # In lexical order, so that the order of bags and instances does not matter.
-            instances = np.unique(bags.points, axis=0)
+        # In lexical order, so that the order of bags and instances does not matter.
+        instances = np.unique(bags.points, axis=0)
+        with convergence_unwarned():
             solver.fit(embed(bags, instances, gamma), positive)
         weights = solver.coef_[0]
         used = weights != 0.0

@@ -50,11 +50,6 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
     n_features_in_ : int
         Dimension of the points.
 
-    Notes
-    -----
-    Fit machines at the same time in several processes, not threads: LIBSVM's warning that it did not
-    converge is filtered out meanwhile, and Python's filters of warnings belong to all threads.
-
     References
     ----------
     Ray and Craven (2005), Supervised versus multiple instance learning: an empirical comparison.
