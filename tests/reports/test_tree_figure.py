@@ -35,7 +35,7 @@ def test_a_tree_is_told_by_its_texts() -> None:
     assert {"0.90", "9 of 10", "0.20", "2 of 10", "0.30", "no scenes", "leaf 0", "leaf 1", "leaf 2"} <= set(
         texts
     )
-    assert "there is a B that has location minus" in sentence
+    assert "there is a B at larger x than A: see Q1" in sentence
     assert "SMRF tree: 1 question, 3 leaves" in texts
 
 

@@ -40,8 +40,8 @@ def test_a_path_in_words_tells_every_answer() -> None:
 
     assert words.splitlines()[0] == "scene scene 0: probability 0.20, leaf 1"
     assert "    A (passer) = a0" in words
-    assert "there is a B that has location minus A's near (1, 0)" in words
-    assert "? no" in words
+    assert "    there is a B at larger x than A: in the ellipse around (1, 0)" in words
+    assert " -> no\n" in words
     assert words.endswith("0.20  (2 of 10 scenes positive)")
 
 

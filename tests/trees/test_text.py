@@ -10,7 +10,7 @@ import pytest
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree
-from relforest.trees.text import fresh_variables, leaf_summary, sentence
+from relforest.trees.text import describe, fresh_variables, leaf_summary, one_sided_hint, sentence
 from relforest.volumes import Arc, Ellipsoid, Volume
 from small_trees import ball, leaf, plane
 
@@ -34,52 +34,96 @@ def said(
 
 
 FLAT = upright([1.5, -2], [2, 1])
-FLAT_SAID = "near (1.5, -2), reaching 2 along (1, 0) and 1 along (0, 1)"
-COLOR_REACH = "reaching 0.3 along (0, 0, 1), 0.2 along (0, 1, 0) and 0.1 along (1, 0, 0)"
+FLAT_SAID = "in the ellipse around (1.5, -2) that reaches 2 along (1, 0) and 1 across"
+RIGHT_OF_A = f"on the right of A, looking from A to B: {FLAT_SAID}, with A at (0, 0)"
 RING = upright([5], [2])
+COLOR = Attribute("color", 3)
+PALE = upright([0.9, 0.8, 0.1], [0.2, 0.2, 0.2])
 
 
 @pytest.mark.parametrize(
     ("operation", "attribute", "variables", "volume", "expected"),
     [
-        ("identity", LOCATION, (0,), FLAT, f"A has location {FLAT_SAID}"),
+        ("identity", LOCATION, (0,), FLAT, f"A is {FLAT_SAID}"),
+        ("identity", Attribute("location"), (0,), RING, "A has location between 3 and 7"),
         ("identity", Attribute("weight"), (1,), RING, "B has weight between 3 and 7"),
-        (
-            "identity",
-            Attribute("color", 3),
-            (0,),
-            upright([0.9, 0.8, 0.1], [1, 2, 3], 0.1),
-            f"A has color near (0.9, 0.8, 0.1), {COLOR_REACH}",
-        ),
+        ("identity", COLOR, (0,), PALE, "A has color within 0.2 of (0.9, 0.8, 0.1)"),
         ("identity", HEADING, (2,), Arc(1.0, 0.25, 2.0), "C has heading within 0.25 rad of 1 rad"),
         ("distance", LOCATION, (0, 2), upright([1], [2.1]), "C is within 3.1 of A"),
         ("distance", LOCATION, (0, 2), RING, "C is between 3 and 7 from A"),
-        ("distance", Attribute("color", 3), (0, 1), upright([0], [0.5]), "B has color within 0.5 of A's"),
+        (
+            "distance",
+            LOCATION,
+            (0, 1),
+            upright([33.1289], [0.0085]),
+            "B is between 33.1204 and 33.1374 from A",
+        ),
+        # Distances below zero are not mentioned.
+        ("distance", LOCATION, (0, 1), upright([1], [1]), "B is within 2 of A"),
+        ("distance", LOCATION, (0, 1), upright([1], [1 - 1e-15]), "B is within 2 of A"),
+        ("distance", LOCATION, (0, 1), upright([3], [1], 0.0), "B is exactly 3 from A"),
+        ("distance", LOCATION, (0, 1), upright([0], [1], 0.0), "B is exactly 0 from A"),
+        ("distance", Attribute("location"), (0, 1), RING, "B is between 3 and 7 from A"),
+        ("distance", COLOR, (0, 1), upright([0], [0.5]), "B has color within 0.5 of A's"),
         ("distance", Attribute("weight"), (1, 0), RING, "A has weight between 3 and 7 from B's"),
-        ("difference", LOCATION, (0, 1), FLAT, f"B has location minus A's {FLAT_SAID}"),
-        ("difference", Attribute("weight"), (0, 1), RING, "B has weight minus A's between 3 and 7"),
+        (
+            "difference",
+            LOCATION,
+            (0, 1),
+            FLAT,
+            f"B is at smaller y than A: {FLAT_SAID}, with A at (0, 0)",
+        ),
+        ("difference", COLOR, (0, 1), PALE, "B has color relative to A's within 0.2 of (0.9, 0.8, 0.1)"),
         (
             "difference",
             HEADING,
             (0, 1),
             Arc(-0.5, 0.1, 2.0),
-            "B has heading minus A's within 0.1 rad of -0.5 rad",
+            "B has heading relative to A's within 0.1 rad of -0.5 rad",
         ),
-        ("reframe", LOCATION, (0, 1, 2), FLAT, f"C is {FLAT_SAID}, in the frame of A facing B"),
-        ("reframe", LOCATION, (2, 0, 1), FLAT, f"B is {FLAT_SAID}, in the frame of C facing A"),
+        ("difference", HEADING, (0, 1), Arc(0.0, 0.1, 2.0), "B has heading within 0.1 rad of A's"),
+        (
+            "reframe",
+            LOCATION,
+            (0, 1, 2),
+            FLAT,
+            f"C is {RIGHT_OF_A} and B straight along (1, 0)",
+        ),
+        (
+            "reframe",
+            LOCATION,
+            (2, 0, 1),
+            upright([0, 2], [2.5, 1.5]),
+            (
+                "B is on the left of C, looking from C to A: in the ellipse around (0, 2) that reaches 2.5 "
+                "along (1, 0) and 1.5 across, with C at (0, 0) and A straight along (1, 0)"
+            ),
+        ),
+        ("scaled_reframe", LOCATION, (0, 1, 2), FLAT, f"C is {RIGHT_OF_A} and B at (1, 0)"),
         (
             "scaled_reframe",
             LOCATION,
             (0, 1, 2),
-            FLAT,
-            f"C is {FLAT_SAID}, in the frame of A facing B, their distance being 1",
+            upright([0.5, 0.01], [0.3, 0.3]),
+            (
+                "C is around the middle of the way from A to B: within 0.3 of (0.5, 0.01), with A at (0, 0) "
+                "and B at (1, 0)"
+            ),
+        ),
+        # Nothing plain to say.
+        (
+            "scaled_reframe",
+            LOCATION,
+            (0, 1, 2),
+            upright([1, 0.5], [1.2, 1.2]),
+            "C is within 1.2 of (1, 0.5), with A at (0, 0) and B at (1, 0)",
         ),
         (
             "reframe",
             Attribute("velocity", 2),
             (0, 1, 2),
             FLAT,
-            f"C is at velocity {FLAT_SAID}, in the frame of A facing B",
+            f"C has velocity {FLAT_SAID}, with A's at (0, 0) and B's straight along (1, 0)",
         ),
     ],
 )
@@ -90,24 +134,36 @@ def test_statements(
 
 
 @pytest.mark.parametrize(
+    ("centre", "half", "expected"),
+    [
+        (5, 2, "between 3 and 7 more than A's"),
+        (-5, 2, "between 3 and 7 less than A's"),
+        (2, 5, "between 3 less and 7 more than A's"),
+        (2, 2, "up to 4 more than A's"),
+        (-2, 2, "up to 4 less than A's"),
+        (0.01, 5, "within 5.01 of A's"),
+        (3, 0, "exactly 3 more than A's"),
+        (-3, 0, "exactly 3 less than A's"),
+        (0, 0, "equal to A's"),
+    ],
+)
+def test_differences_of_numbers(centre: float, half: float, expected: str) -> None:
+    volume = upright([centre], [1], half)
+
+    assert said("difference", Attribute("weight"), (0, 1), volume) == f"B has weight {expected}"
+
+
+@pytest.mark.parametrize(
     ("operation", "variables", "volume", "fresh", "expected"),
     [
         # The one new variable is what the statement is about.
         ("distance", (0, 2), RING, (2,), "there is a C between 3 and 7 from A"),
         ("distance", (0, 2), upright([1], [2.1]), (2,), "there is a C within 3.1 of A"),
-        ("identity", (0,), FLAT, (0,), f"there is an A that has location {FLAT_SAID}"),
-        ("difference", (0, 1), FLAT, (1,), f"there is a B that has location minus A's {FLAT_SAID}"),
-        ("reframe", (0, 1, 2), FLAT, (2,), f"there is a C {FLAT_SAID}, in the frame of A facing B"),
+        ("identity", (0,), FLAT, (0,), f"there is an A {FLAT_SAID}"),
+        ("reframe", (0, 1, 2), FLAT, (2,), f"there is a C {RIGHT_OF_A} and B straight along (1, 0)"),
         # The one new variable is something else.
         ("distance", (2, 0), RING, (2,), "there is a C such that A is between 3 and 7 from C"),
         ("distance", (4, 0), RING, (4,), "there is an E such that A is between 3 and 7 from E"),
-        (
-            "reframe",
-            (2, 1, 0),
-            FLAT,
-            (2,),
-            f"there is a C such that A is {FLAT_SAID}, in the frame of C facing B",
-        ),
         # Several new variables.
         ("distance", (0, 1), RING, (0, 1), "there are A and B such that B is between 3 and 7 from A"),
         (
@@ -115,7 +171,7 @@ def test_statements(
             (0, 1, 2),
             FLAT,
             (0, 1, 2),
-            f"there are A, B and C such that C is {FLAT_SAID}, in the frame of A facing B",
+            f"there are A, B and C such that C is {RIGHT_OF_A} and B straight along (1, 0)",
         ),
     ],
 )
@@ -125,37 +181,21 @@ def test_new_variables_are_introduced(
     assert said(operation, LOCATION, variables, volume, fresh) == expected
 
 
-@pytest.mark.parametrize(
-    ("volume", "expected"),
-    [
-        # Three digits, and no minus before a zero.
-        (
-            upright([123456, -0.001], [1000, 12.3456]),
-            "near (1.23e+05, 0), reaching 1e+03 along (1, 0) and 12.3 along (0, 1)",
-        ),
-        # A small volume needs more digits for its centre.
-        (
-            upright([0.00123, -0.2], [0.002, 0.001]),
-            "near (0.0012, -0.2), reaching 0.002 along (1, 0) and 0.001 along (0, 1)",
-        ),
-        # Nothing but the centre inside.
-        (upright([1, 2], [1, 1], 0.0), "near (1, 2), reaching 0 along (0, 0) and 0 along (0, 0)"),
-    ],
-)
-def test_numbers(volume: Ellipsoid, expected: str) -> None:
-    assert said("identity", LOCATION, (0,), volume) == f"A has location {expected}"
+def test_new_objects_come_with_what_they_have() -> None:
+    assert (
+        said("identity", Attribute("weight"), (0,), RING, (0,)) == "there is an A with weight between 3 and 7"
+    )
 
 
-def test_an_oblique_volume_names_its_axes() -> None:
-    # Eigenvalues 9 along (1, 1) and 1 along (1, -1); the sign of an axis is arbitrary.
-    oblique = Ellipsoid(np.zeros(2), np.array([[5.0, 4.0], [4.0, 5.0]]), 1.0, 1, 0.1)
-    text = said("identity", LOCATION, (0,), oblique).replace("-0.71", "0.71")
+def test_figures_may_be_left_to_a_picture() -> None:
+    beside = Question(Mapping("reframe", LOCATION), (0, 1, 2), FLAT, 1, 2, 3)
+    near = Question(Mapping("distance", LOCATION), (0, 1), RING, 1, 2, 3)
 
-    assert text == "A has location near (0, 0), reaching 3 along (0.71, 0.71) and 1 along (0.71, 0.71)"
-
-
-def test_distances_below_zero_are_not_mentioned() -> None:
-    assert said("distance", LOCATION, (0, 1), upright([1], [1])) == "B is within 2 of A"
+    assert sentence(beside, (2,), exact="see Q1") == (
+        "there is a C on the right of A, looking from A to B: see Q1"
+    )
+    # There are no plain words that could stand alone.
+    assert sentence(near, exact="see Q2") == "B is between 3 and 7 from A"
 
 
 @pytest.mark.parametrize(
@@ -163,6 +203,7 @@ def test_distances_below_zero_are_not_mentioned() -> None:
     [
         (Leaf(0.5, 1, 1), "0.50  (1 of 2 scenes positive)"),
         (Leaf(1.0, 0, 1), "1.00  (1 of 1 scene positive)"),
+        (Leaf(0.996, 1, 249), "0.996  (249 of 250 scenes positive)"),
         (Leaf(0.25, 0, 0), "0.25  (0 of 0 scenes positive)"),
     ],
 )
@@ -203,16 +244,55 @@ def test_a_tree_in_words() -> None:
 
     assert str(Tree(schema, nodes)).splitlines() == [
         "SMRF tree with 3 questions and 7 leaves",
-        f"A is the passer, B is the receiver; there is a C {FLAT_SAID}, in the frame of A facing B?",
-        "    yes: B is within 3 of A?",
+        f"A is the passer, B is the receiver; there is a C {RIGHT_OF_A} and B straight along (1, 0)",
+        "    yes: B is within 3 of A",
         "        yes: 0.90  (9 of 10 scenes positive)",
         "        no: 0.50  (1 of 2 scenes positive)",
-        f"        error: there is a D that has location {FLAT_SAID}?",
+        f"        error: there is a D {FLAT_SAID}",
         "            yes: 0.80  (0 of 0 scenes positive)",
         "            no: 0.20  (0 of 0 scenes positive)",
         "    no: 0.05  (1 of 21 scenes positive)",
         "    error: 0.00  (0 of 1 scene positive)",
+        "left and right are as on a map, with x to the right and y upwards",
     ]
+
+
+@pytest.mark.parametrize(
+    ("leaves", "hint"),
+    [
+        # Probability and training scenes of the Yes, the No and the Error leaf.
+        (((0.9, 10), (0.55, 84), (0.6, 3)), "every leaf predicts positive"),
+        (((0.9, 10), (0.5, 84), (0.6, 3)), "every leaf predicts positive"),
+        (((0.4, 10), (0.01, 84), (0.1, 3)), "every leaf predicts negative"),
+        # A leaf that no training scene reached does not hide the fault.
+        (((0.9, 10), (0.55, 84), (0.3, 0)), "every leaf predicts positive"),
+        (((0.9, 10), (0.45, 84), (0.3, 0)), ""),
+        (((0.9, 0), (0.55, 0), (0.3, 0)), ""),
+        (((0.9, 0), (0.55, 0), (0.6, 0)), "every leaf predicts positive"),
+    ],
+)
+def test_a_tree_of_one_prediction_says_so_and_what_to_do(
+    leaves: tuple[tuple[float, int], ...], hint: str
+) -> None:
+    schema = plane("passer", "receiver")
+    near = Question(Mapping("distance", schema["location"]), (0, 1), ball([0.0], 3.0), 3, 4, 5)
+    ends = [Leaf(probability, 0, scenes) for probability, scenes in leaves]
+    tree = Tree(schema, (Instantiation(1), Instantiation(2), near, *ends))
+    advice = ": relforest fit --positive LABEL looks for what exists in scenes of the other class"
+
+    assert one_sided_hint(tree.nodes) == (hint and hint + advice)
+    assert one_sided_hint(tree.nodes, "failed") == (hint and hint + advice.replace("LABEL", "failed"))
+    assert str(tree) == "\n".join(
+        filter(None, (describe(schema, tree.nodes, hint=False), hint and hint + advice))
+    )
+
+
+def test_arguments_named_like_their_variables_are_not_introduced() -> None:
+    schema = plane("A", "receiver")
+    question = Question(Mapping("distance", schema["location"]), (0, 1), ball([0.0], 3.0), 3, 4, 5)
+    tree = Tree(schema, (Instantiation(1), Instantiation(2), question, *(leaf(p) for p in (0.9, 0.1, 0.1))))
+
+    assert str(tree).splitlines()[1] == "B is the receiver; B is within 3 of A"
 
 
 def test_arguments_are_introduced_where_they_are_bound() -> None:
@@ -228,8 +308,8 @@ def test_arguments_are_introduced_where_they_are_bound() -> None:
     )
     lines = str(Tree(schema, nodes)).splitlines()
 
-    assert lines[1].startswith("A is the passer; A has location near (0, 0)")
-    assert lines[2] == "    yes: B is the receiver; B is within 1 of A?"
+    assert lines[1] == "A is the passer; A is within 1 of (0, 0)"
+    assert lines[2] == "    yes: B is the receiver; B is within 1 of A"
 
 
 def test_bindings_above_a_leaf_are_not_worth_a_line() -> None:

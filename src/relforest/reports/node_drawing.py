@@ -16,6 +16,7 @@ from relforest.reports.style import BLUE, GREY, INK, PAPER, mixed, probability_c
 from relforest.reports.text_size import line_height, shortened, text_width, wrapped
 from relforest.reports.tree_layout import Box, Layout, Size
 from relforest.reports.tree_path import TreePath, introduced
+from relforest.support.numerals import probability
 from relforest.trees import Instantiation, Leaf, Question, Tree
 from relforest.trees.nodes import ANSWERS, variable_name
 from relforest.trees.text import sentence
@@ -82,7 +83,9 @@ def draw_tree(
 
 
 def _question_text(name: str, question: Question, fresh: tuple[int, ...]) -> NodeText:
-    lines = wrapped(f"{sentence(question, fresh)}?", _QUESTION_WIDTH - 2 * _PADDING, _TEXT)
+    # The panel of the same name has the figures.
+    text = sentence(question, fresh, exact=f"see {name}")
+    lines = wrapped(text, _QUESTION_WIDTH - 2 * _PADDING, _TEXT)
     height = line_height(_SMALL) + len(lines) * line_height(_TEXT) + 2 * _PADDING
     widest = max(text_width(line, _TEXT) for line in lines)
     width = min(max(widest + 2 * _PADDING, 1.5), _QUESTION_WIDTH)
@@ -95,7 +98,7 @@ def _leaf_text(ordinal: int, leaf: Leaf) -> NodeText:
     counts = f"{leaf.positives} of {total}" if total else "no scenes"
     width = max(_LEAF_WIDTH, text_width(counts, _TEXT) + 2 * _PADDING)
     height = line_height(_SMALL) + line_height(_LARGE) + line_height(_TEXT) + 1.5 * _PADDING
-    return NodeText(f"leaf {ordinal}", (f"{leaf.probability:.2f}", counts), (width, height))
+    return NodeText(f"leaf {ordinal}", (probability(leaf.probability), counts), (width, height))
 
 
 def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:

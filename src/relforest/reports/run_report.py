@@ -13,6 +13,7 @@ from relforest.rl.policy_file import read_policy
 from relforest.rl.value import ValueFunction
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json
+from relforest.trees.text import describe
 
 
 def run_report(folder: str | PathLike[str]) -> str:
@@ -65,7 +66,10 @@ def trees_in_words(value: ValueFunction) -> str:
         if action_type.parameters:
             name += f"({', '.join(action_type.parameters)})"
         parts.append(f"{name}: {len(trees) or 'no'} tree{'' if len(trees) == 1 else 's'}")
-        parts += [f"{name}, tree {number}: {tree}" for number, tree in enumerate(trees, start=1)]
+        for number, tree in enumerate(trees, start=1):
+            # Advice for classifiers: here trees are features.
+            words = describe(tree.schema, tree.nodes, hint=False)
+            parts.append(f"{name}, tree {number}: {words}")
     return "\n\n".join(parts)
 
 

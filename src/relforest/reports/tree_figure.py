@@ -24,6 +24,7 @@ from relforest.reports.tree_layout import Layout, lay_out
 from relforest.reports.tree_path import TreePath, tree_path, witness_names
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
+from relforest.support.numerals import probability
 from relforest.trees import Question, Tree
 
 _TITLE: Final = 11.0
@@ -98,8 +99,8 @@ def _head(tree: Tree, title: str, path: TreePath | None) -> Sequence[tuple[str, 
     leaves = "1 leaf" if tree.is_stub else f"{tree.n_leaves} leaves"
     lines = [(title or f"SMRF tree: {counted}, {leaves}", _TITLE)]
     if path is not None:
-        probability = tree.leaf_probabilities[path.leaf]
-        lines.append((f"scene {path.scene_id}: probability {probability:.2f} (leaf {path.leaf})", _SUBTITLE))
+        decided = probability(float(tree.leaf_probabilities[path.leaf]))
+        lines.append((f"scene {path.scene_id}: probability {decided} (leaf {path.leaf})", _SUBTITLE))
         if path.witnesses:
             lines.append((", ".join(witness_names(tree, path)), _SUBTITLE))
     return lines

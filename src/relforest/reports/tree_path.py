@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from relforest.scenes import Scenes
 from relforest.scenes.ids import plain
 from relforest.support.errors import InputError
+from relforest.support.numerals import probability
 from relforest.trees import Instantiation, Leaf, Question, Tree, query
 from relforest.trees.nodes import ANSWERS, children, variable_name
 from relforest.trees.text import fresh_variables, leaf_summary, sentence
@@ -98,14 +99,15 @@ def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
 def path_in_words(tree: Tree, path: TreePath) -> str:
     """Tell the way of a scene: what was asked of which objects, each answer, and the leaf that decided."""
     new = introduced(tree)
-    lines = [f"scene {path.scene_id}: probability {tree.leaf_probabilities[path.leaf]:.2f}, leaf {path.leaf}"]
+    decided = probability(float(tree.leaf_probabilities[path.leaf]))
+    lines = [f"scene {path.scene_id}: probability {decided}, leaf {path.leaf}"]
     lines += [f"    {name}" for name in witness_names(tree, path)]
     for place, index in enumerate(path.nodes):
         match tree.nodes[index]:
             case Question() as node:
                 below = (node.yes, node.no, node.error)
                 answer = ANSWERS[below.index(path.nodes[place + 1])]
-                lines.append(f"    {sentence(node, new[index])}? {answer}")
+                lines.append(f"    {sentence(node, new[index])} -> {answer}")
             case Leaf() as leaf:
                 lines.append(f"    {leaf_summary(leaf)}")
             case Instantiation():

@@ -13,6 +13,7 @@ from relforest.scenes import Scenes
 from relforest.scenes.ids import plain
 from relforest.scenes.labels import binary_labels
 from relforest.support.errors import InputError
+from relforest.support.numerals import probability
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.trees.growth import Test, TreeSettings, grow
 from relforest.trees.inference import query
@@ -55,7 +56,7 @@ class Explanation:
     def __str__(self) -> str:
         """One line."""
         bound = ", ".join(f"{name} = {witness}" for name, witness in self.witnesses.items())
-        found = f"probability {self.probability:.2f}, leaf {self.leaf}"
+        found = f"probability {probability(self.probability)}, leaf {self.leaf}"
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
@@ -108,7 +109,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     >>> model = SMRFTreeClassifier(random_state=0).fit(scenes, close)
     >>> print(model.tree_)
     SMRF tree with 1 question and 3 leaves
-    there are A and B such that B is between 0.199 and 3.07 from A?
+    there are A and B such that B is between 0.199 and 3.07 from A
         yes: 1.00  (36 of 36 scenes positive)
         no: 0.00  (0 of 24 scenes positive)
     """

@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-import numpy as np
-
+from relforest.support.numerals import ends, probability, vector
 from relforest.trees.nodes import ANSWERS, Instantiation, Leaf, Node, Question, variable_name
-from relforest.volumes import Arc, Volume
+from relforest.trees.places import SIDES, place
+from relforest.trees.regions import interval, region, span
+from relforest.volumes import Arc
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
     from relforest.scenes import Schema
+    from relforest.volumes import Volume
 
 _SPOKEN_WITH_VOWEL: Final = frozenset("AEFHILMNORSX")
+_ORIENTATION: Final = "left and right are as on a map, with x to the right and y upwards"
 
 
-def sentence(question: Question, fresh: tuple[int, ...] = ()) -> str:
-    """A question as a statement that is true on its Yes branch.
+class _Statement(NamedTuple):
+    """The parts of what a question states: that `subject` `verb` `lead`, and exactly `exact`."""
+
+    subject: str
+    verb: str
+    lead: str
+    exact: str
+
+
+def sentence(question: Question, fresh: tuple[int, ...] = (), *, exact: str | None = None) -> str:
+    """Return a question as a statement that is true on its Yes branch.
+
+    Where the volume allows it, plain words come first and the exact figures after a colon.
 
     Parameters
     ----------
@@ -29,6 +40,8 @@ def sentence(question: Question, fresh: tuple[int, ...] = ()) -> str:
     fresh : tuple of int
         Variables that range over all remaining objects at this question; they are introduced with
         "there is".
+    exact : str, optional
+        Replaces the exact figures where plain words come first.
 
     Examples
     --------
@@ -39,43 +52,80 @@ def sentence(question: Question, fresh: tuple[int, ...] = ()) -> str:
     >>> near = Ellipsoid(np.array([1.0]), np.eye(1), 2.1, 5, 0.1)
     >>> sentence(Question(Mapping("distance", Attribute("location", 2)), (0, 2), near, 1, 2, 3), (2,))
     'there is a C within 3.1 of A'
+    >>> middle = Ellipsoid(np.array([0.5, 0.0]), np.eye(2), 0.2, 5, 0.1)
+    >>> between = Question(Mapping("scaled_reframe", Attribute("location", 2)), (0, 1, 2), middle, 1, 2, 3)
+    >>> sentence(between)
+    'C is around the middle of the way from A to B: within 0.2 of (0.5, 0), with A at (0, 0) and B at (1, 0)'
     """
-    names = [variable_name(variable) for variable in question.variables]
-    subject, verb_phrase = _statement(question, names)
-    asked = [variable_name(variable) for variable in fresh]
-    if not asked:
-        return " ".join((subject, *verb_phrase))
-    if asked == [subject]:
-        verb, rest = verb_phrase
-        introduction = f"there is {_with_article(subject)}"
-        return f"{introduction} {rest}" if verb == "is" else f"{introduction} that {verb} {rest}"
-    if len(asked) == 1:
-        introduction = f"there is {_with_article(asked[0])}"
-    else:
-        introduction = f"there are {', '.join(asked[:-1])} and {asked[-1]}"
-    return f"{introduction} such that {' '.join((subject, *verb_phrase))}"
+    said = _statement(question)
+    rest = f"{said.lead}: {exact or said.exact}" if said.lead else said.exact
+    return _introduced(said, rest, fresh)
 
 
-def describe(schema: Schema, nodes: tuple[Node, ...]) -> str:
-    """A whole tree: one line per question and leaf.
+def describe(schema: Schema, nodes: tuple[Node, ...], *, hint: bool = True) -> str:
+    """Return a whole tree in words: one line per question and leaf.
 
-    Error leaves that decided no training scene are left out, since they have nothing to tell.
+    Error leaves that decided no training scene are left out.
+
+    Parameters
+    ----------
+    schema : Schema
+    nodes : tuple of Node
+    hint : bool
+        Whether to add `one_sided_hint`.
     """
-    n_questions = sum(isinstance(node, Question) for node in nodes)
+    questions = [node for node in nodes if isinstance(node, Question)]
     n_leaves = sum(isinstance(node, Leaf) for node in nodes)
-    title = f"SMRF tree with {_counted(n_questions, 'question')} and {_counted(n_leaves, 'leaf', 'leaves')}"
-    return "\n".join((title, *_lines(schema, nodes)))
+    lines = [
+        f"SMRF tree with {_counted(len(questions), 'question')} and {_counted(n_leaves, 'leaf', 'leaves')}"
+    ]
+    lines += _lines(schema, nodes)
+    leads = [_statement(question).lead for question in questions]
+    if any(side in lead for lead in leads for side in SIDES):
+        lines.append(_ORIENTATION)
+    remark = one_sided_hint(nodes) if hint and questions else ""
+    return "\n".join((*lines, remark) if remark else lines)
+
+
+def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
+    """Return what to do about a tree that predicts one class only; empty for any other tree.
+
+    Parameters
+    ----------
+    nodes : tuple of Node
+    other : str
+        The label of the other class.
+    """
+    prediction = _sole_prediction(nodes)
+    if prediction is None:
+        return ""
+    word = "positive" if prediction else "negative"
+    return (
+        f"every leaf predicts {word}: relforest fit --positive {other} looks for what exists in scenes of "
+        "the other class"
+    )
 
 
 def leaf_summary(leaf: Leaf) -> str:
-    """Probability and training counts of a leaf."""
+    """Return the probability and the training counts of a leaf."""
     total = leaf.negatives + leaf.positives
-    return f"{leaf.probability:.2f}  ({leaf.positives} of {_counted(total, 'scene')} positive)"
+    return f"{probability(leaf.probability)}  ({leaf.positives} of {_counted(total, 'scene')} positive)"
 
 
 def fresh_variables(schema: Schema, n_bound: int, n_new: int) -> tuple[int, ...]:
-    """Those of the newly bound variables that are no action arguments."""
+    """Return the newly bound variables that are not action arguments."""
     return tuple(range(max(n_bound, schema.n_parameters), n_bound + n_new))
+
+
+def _sole_prediction(nodes: tuple[Node, ...]) -> bool | None:
+    """Return the prediction that all leaves share, None if they differ.
+
+    Leaves that decided no training scene count only if none decided any.
+    """
+    leaves = [node for node in nodes if isinstance(node, Leaf)]
+    tried = [leaf for leaf in leaves if leaf.negatives + leaf.positives] or leaves
+    predictions = {leaf.probability >= 0.5 for leaf in tried}
+    return predictions.pop() if len(predictions) == 1 else None
 
 
 def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
@@ -89,14 +139,12 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
             index = node.child
             node = nodes[index]
         margin = "    " * indent
-        bound_now = range(n_bound, min(n_bound + n_new, schema.n_parameters))
-        given = [f"{variable_name(v)} is the {schema.parameters[v]}" for v in bound_now]
         if isinstance(node, Leaf):
             yield f"{margin}{label}{leaf_summary(node)}"
             continue
         text = sentence(node, fresh_variables(schema, n_bound, n_new))
-        where = f"{', '.join(given)}; " if given else ""
-        yield f"{margin}{label}{where}{text}?"
+        given = _given(schema, range(n_bound, min(n_bound + n_new, schema.n_parameters)))
+        yield f"{margin}{label}{given}{text}"
         answers = zip(ANSWERS, (node.yes, node.no, node.error), strict=True)
         following = [
             (child, n_bound + n_new, indent + 1, f"{answer}: ")
@@ -106,67 +154,89 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
         stack.extend(reversed(following))
 
 
+def _given(schema: Schema, arguments: range) -> str:
+    names = [(variable_name(variable), schema.parameters[variable]) for variable in arguments]
+    told = [f"{letter} is the {name}" for letter, name in names if letter != name]
+    return f"{', '.join(told)}; " if told else ""
+
+
 def _is_untried(node: Node) -> bool:
     return isinstance(node, Leaf) and node.negatives + node.positives == 0
 
 
-def _statement(question: Question, names: list[str]) -> tuple[str, tuple[str, str]]:
-    """Subject, verb and the rest of a question's statement."""
-    attribute = question.mapping.attribute.name
-    match question.mapping.operation:
-        case "identity":
-            return names[0], ("has", f"{attribute} {_region(question.volume)}")
-        case "distance" if attribute == "location":
-            return names[1], ("is", _span(question.volume, names[0]))
-        case "distance":
-            return names[1], ("has", f"{attribute} {_span(question.volume, names[0])}'s")
-        case "difference":
-            return names[1], ("has", f"{attribute} minus {names[0]}'s {_region(question.volume)}")
-        case "reframe":
-            frame = f"in the frame of {names[0]} facing {names[1]}"
-        case _:
-            frame = f"in the frame of {names[0]} facing {names[1]}, their distance being 1"
-    place = f"{_region(question.volume)}, {frame}"
-    return names[2], ("is", place if attribute == "location" else f"at {attribute} {place}")
+def _introduced(said: _Statement, rest: str, fresh: tuple[int, ...]) -> str:
+    whole = f"{said.subject} {said.verb} {rest}"
+    asked = [variable_name(variable) for variable in fresh]
+    if not asked:
+        return whole
+    if len(asked) > 1:
+        return f"there are {', '.join(asked[:-1])} and {asked[-1]} such that {whole}"
+    introduction = f"there is {_with_article(asked[0])}"
+    if asked == [said.subject]:
+        return f"{introduction} {'with ' if said.verb == 'has' else ''}{rest}"
+    return f"{introduction} such that {whole}"
 
 
-def _span(volume: Volume, reference: str) -> str:
-    low, high = _interval(volume)
-    if low <= 0.0:
-        return f"within {_number(high)} of {reference}"
-    return f"between {_number(low)} and {_number(high)} from {reference}"
+def _statement(question: Question) -> _Statement:
+    mapping, volume = question.mapping, question.volume
+    names = [variable_name(variable) for variable in question.variables]
+    distance = mapping.operation == "distance"
+    # An object is at a place, and has anything else.
+    located = mapping.attribute.name == "location" and (distance or volume.dim > 1)
+    owners = names if located else [f"{name}'s" for name in names]
+    if distance:
+        exact = _distance(volume, owners[0])
+    elif mapping.operation == "identity":
+        exact = region(volume)
+    elif mapping.operation == "difference" and not located:
+        exact = _difference(volume, owners[0])
+    else:
+        exact = f"{region(volume)}, {_frame(mapping.operation, owners, volume.dim)}"
+    if located:
+        return _Statement(names[-1], "is", place(mapping, volume, names), exact)
+    return _Statement(names[-1], "has", "", f"{mapping.attribute.name} {exact}")
 
 
-def _region(volume: Volume) -> str:
-    if isinstance(volume, Arc):
-        return f"within {_number(volume.radius)} rad of {_number(volume.mean)} rad"
-    if volume.dim == 1:
-        low, high = _interval(volume)
-        return f"between {_number(low)} and {_number(high)}"
-    reaches = [
-        f"{_number(float(np.linalg.norm(axis)))} along {_vector(axis / (np.linalg.norm(axis) or 1.0))}"
-        for axis in volume.axes
-    ]
-    farthest = float(np.linalg.norm(volume.axes[0]))
-    # The centre of a small volume needs more digits than usual.
-    decimals = 1 - math.floor(math.log10(farthest)) if 0.0 < farthest < 0.1 else 2
-    centre = _vector(volume.mean, decimals)
-    return f"near {centre}, reaching {', '.join(reaches[:-1])} and {reaches[-1]}"
+def _frame(operation: str, names: list[str], dim: int) -> str:
+    origin, unit = (vector([first, *[0.0] * (dim - 1)], 0.0) for first in (0.0, 1.0))
+    start = f"with {names[0]} at {origin}"
+    if operation == "difference":
+        return start
+    if operation == "reframe":
+        return f"{start} and {names[1]} straight along {unit}"
+    return f"{start} and {names[1]} at {unit}"
 
 
-def _interval(volume: Volume) -> tuple[float, float]:
-    variance = 1.0 if isinstance(volume, Arc) else float(volume.covariance[0, 0])
-    centre, half = float(np.ravel(volume.mean)[0]), volume.radius * math.sqrt(variance)
-    return centre - half, centre + half
+def _distance(volume: Volume, reference: str) -> str:
+    low, high = interval(volume)
+    if high > 0.0:
+        low = max(low, 0.0)
+    low_text, high_text = ends(low, high)
+    if low_text == "0" != high_text:
+        return f"within {high_text} of {reference}"
+    return f"{span((low, high))} from {reference}"
 
 
-def _number(value: float) -> str:
-    text = f"{value:.3g}"
-    return "0" if text in {"-0", "0"} else text
-
-
-def _vector(values: NDArray[np.float64], decimals: int = 2) -> str:
-    return f"({', '.join(_number(round(float(value), decimals)) for value in values)})"
+def _difference(volume: Volume, reference: str) -> str:
+    if isinstance(volume, Arc) or volume.dim > 1:
+        extent = region(volume)
+        centred = extent.removesuffix(" of 0 rad")
+        return f"relative to {reference} {extent}" if centred == extent else f"{centred} of {reference}"
+    low, high = interval(volume)
+    low_text, high_text = ends(low, high)
+    if low == high == 0.0:
+        return f"equal to {reference}"
+    if abs(low + high) <= (high - low) / 100:
+        return f"within {high_text} of {reference}"
+    if low_text == "0":
+        return f"up to {high_text} more than {reference}"
+    if high_text == "0":
+        return f"up to {low_text.removeprefix('-')} less than {reference}"
+    if low > 0.0:
+        return f"{span((low, high))} more than {reference}"
+    if high < 0.0:
+        return f"{span((-high, -low))} less than {reference}"
+    return f"between {low_text.removeprefix('-')} less and {high_text} more than {reference}"
 
 
 def _with_article(name: str) -> str:
