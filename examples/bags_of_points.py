@@ -1,4 +1,4 @@
-"""Find the region that makes a bag of points positive, and the points responsible."""
+"""Find the region that makes a bag of points positive, and the points that lie in it."""
 
 from __future__ import annotations
 

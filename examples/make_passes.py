@@ -1,7 +1,7 @@
 """Write passes.parquet: 600 invented soccer passes, one row per player.
 
-A pass fails if an opponent stands between passer and receiver. Nothing in the table says so; `relforest fit`
-finds out. Run it as ``python examples/make_passes.py [FILE]``.
+A pass fails if an opponent stands between passer and receiver. The table does not say so; `relforest fit`
+finds it out. Usage: ``python examples/make_passes.py [FILE]``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 
 
 def passes(n_passes: int, seed: int) -> pa.Table:
-    """Table with the columns pass, player, x, y (metres), theta (radians), passer, receiver, completed."""
+    """Return a table: pass, player, x, y (metres), theta (radians), passer, receiver, completed."""
     rng = np.random.default_rng(seed)
     rows: dict[str, list[object]] = {
         name: [] for name in ("pass", "player", "x", "y", "theta", "passer", "receiver", "completed")

@@ -1,4 +1,4 @@
-"""Draw scenes of the one-step outcome tasks, and what becomes of them, as pictures."""
+"""Draw scenes of the one-step outcome tasks as pictures, with their outcomes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from relforest import Scenes
 from relforest.worlds.blocks import balance_scale_scenes, drop_on_scenes
 from relforest.worlds.blocks.viewer import BlocksViewer
 
-# The post and the beam of the scale are no objects of the scenes: half sizes, poses, grey.
+# The post and the beam of the scale are not objects of the scenes: half sizes and poses, drawn in grey.
 SCALE = (np.array([[1.0, 5.0], [10.0, 0.25]]), np.array([[0.0, 5.0, 0.0], [0.0, 10.25, 0.0]]))
 
 
 def picture(scenes: Scenes, number: int, caption: str, beside: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Return the picture of a scene with more boxes beside its objects."""
+    """Return a picture of a scene with additional boxes."""
     objects = scenes.objects(number)
     location, extent, angle, color = (
         scenes.values[name][objects] for name in ("location", "extent", "orientation", "color")

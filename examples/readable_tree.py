@@ -1,4 +1,4 @@
-"""Learn a tree from a data frame, read it, and ask who is behind a prediction."""
+"""Learn a tree from a data frame, read it, and see which objects a prediction rests on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ATTRIBUTES = {"location": ["x", "y"]}
 
 
 def scenes_and_labels(n_passes: int, seed: int) -> tuple[rf.Scenes, list[bool]]:
-    """Scenes of a passes table and whether each pass was intercepted, in the scenes' order."""
+    """Return the scenes of a passes table, and for each of them whether the pass was intercepted."""
     table = passes(n_passes, seed)
     scenes = rf.Scenes.from_frame(
         table, scene="pass", object="player", attributes=ATTRIBUTES, arguments=["passer", "receiver"]

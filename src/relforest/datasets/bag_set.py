@@ -1,4 +1,4 @@
-"""Labelled bags of points as one value, whether drawn, read from a file or fetched."""
+"""Labelled bags of points as one value, whether generated, read from a file or fetched."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["About", "BagSet"]
 @final
 @dataclass(frozen=True, slots=True)
 class About:
-    """What is known of a published data set.
+    """Facts about a published data set.
 
     Attributes
     ----------
@@ -30,11 +30,11 @@ class About:
     n_bags, n_positive, n_instances, n_features : int
         Counts; ``n_positive`` is the number of positive bags.
     source : str
-        Where the copy came from.
+        Where the copy comes from.
     licence : str
-        The terms that the source states.
+        The terms stated by the source.
     literature : str
-        Who made the data and where they are described.
+        Who made the data, and where they are described.
     notes : str
         What a user of the data should know.
     """
@@ -54,7 +54,7 @@ class About:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class BagSet:
-    """Bags of points with a label each; ``fit(data.bags, data.labels)`` accepts them as they are.
+    """Labelled bags of points; ``fit(data.bags, data.labels)`` accepts them as they are.
 
     Parameters
     ----------
@@ -65,12 +65,12 @@ class BagSet:
     bag_ids : (n_bags,) integers or strings, optional
         Distinct identifiers; 0, 1, 2, ... by default.
     about : About, optional
-        What is known of the data, for those that are published.
+        Facts about the data, for published sets.
 
     Attributes
     ----------
     bags : list of (n_i, d) float64
-        The points of every bag, finite, read-only; none is empty. Treat the list itself as read-only too.
+        The points of every bag, finite and read-only; none is empty. Treat the list itself as read-only too.
     labels : (n_bags,) bool
         Read-only.
     bag_ids : (n_bags,) int64 or object (str)
@@ -80,8 +80,8 @@ class BagSet:
     Raises
     ------
     InputError
-        If there are no bags, one is empty, their widths differ, a value is no finite number, labels are not
-        boolean, an identifier appears twice, or lengths disagree.
+        If there are no bags, a bag is empty, their widths differ, a value is not finite, the labels are not
+        boolean, an identifier is repeated, or lengths disagree.
 
     Examples
     --------
@@ -130,23 +130,23 @@ class BagSet:
         *,
         about: About | None = None,
     ) -> BagSet:
-        """Group instances by their bag; bags come in the order of their first instance.
+        """Group instances by bag, in the order of each bag's first instance.
 
         Parameters
         ----------
         points : (n, d) float64
-            One row per instance; the rows of a bag may be anywhere.
+            One row per instance; the rows of a bag need not be adjacent.
         bag_ids : sequence of n str
             The bag of each instance.
         positive : (n,) bool
             The label of each instance's bag.
         about : About, optional
-            What is known of the data.
+            Facts about the data.
 
         Raises
         ------
         InputError
-            If instances of a bag disagree about its label, or as `BagSet` says.
+            If instances of a bag disagree about its label, or for the reasons listed under `BagSet`.
         """
         codes, ids = codes_by_appearance(np.array(bag_ids, dtype=object))
         counts = np.bincount(codes, minlength=len(ids))
