@@ -26,7 +26,7 @@ def test_the_way_of_a_scene_is_told(
 
     assert outcome.code == 0
     assert told.startswith("scene 100: probability 1.00, leaf 0\n    A = p2\n")
-    assert "? yes\n" in told
+    assert " -> yes\n" in told
 
 
 @pytest.mark.parametrize(

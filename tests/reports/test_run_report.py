@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
+import numpy as np
 import pytest
 
 from relforest.reports import run_report
@@ -15,6 +16,7 @@ from relforest.scenes import Attribute, Schema
 from relforest.smdp import ActionType
 from relforest.support.errors import ModelFormatError
 from relforest.worlds import environment_id
+from small_trees import near_tree
 
 ROWS: list[dict[str, Any]] = [
     {"iteration": 0, "test_reward": 2.5, "train_reward": None, "trees": 0, "leaves": 0},
@@ -66,6 +68,17 @@ def test_an_action_without_trees_is_named_with_its_parameters() -> None:
     )
 
     assert trees_in_words(value) == "put(block, place): no trees"
+
+
+def test_trees_of_a_policy_come_without_advice_for_classifiers() -> None:
+    schema = Schema([Attribute("location", 2)])
+    # Every leaf predicts positive, which is no fault of a tree that serves as features.
+    tree = near_tree(schema, probabilities=(0.9, 0.8, 0.7))
+    value = ValueFunction(schema, (ActionType("left"),), "probability", ((tree,),), (np.zeros(2),))
+
+    assert "relforest fit" in str(tree)
+    assert "B is within 3 of A" in trees_in_words(value)
+    assert "relforest fit" not in trees_in_words(value)
 
 
 def test_damaged_folders_are_refused(tmp_path: Path) -> None:
