@@ -28,5 +28,5 @@ def test_a_tree_that_finds_the_concept_carries_over(tmp_path: Path) -> None:
 
     assert [row["test"] for row in rows] == ["same", "15 objects"]
     assert all(float(str(row["pss"])) > 0.8 for row in rows)
-    assert "has color near" in str(rows[0]["tree"])
+    assert "there is an A with color " in str(rows[0]["tree"])
     assert rows == compute(setting, Place(0, 3, tmp_path))
