@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range, one_of
+from relforest.support.options import at_least, between, in_range, one_of
 
 
 @pytest.mark.parametrize("value", [3, np.int32(3), np.uint8(3)])
@@ -67,3 +67,17 @@ def test_one_of_lists_the_choices_when_it_refuses() -> None:
     for value in ("chi", None, 0, ["permutation"]):
         with pytest.raises(InputError, match=r"test must be one of 'likelihood-ratio', 'permutation', got "):
             one_of("test", value, choices)
+
+
+@pytest.mark.parametrize("value", [1, np.int32(3), np.uint8(5)])
+def test_between_returns_a_plain_integer_and_allows_both_bounds(value: object) -> None:
+    result = between("blocks", value, 1, 5)
+
+    assert type(result) is int
+    assert result == value
+
+
+@pytest.mark.parametrize("value", [0, 6, 2**70, 2.0, np.float64(2), math.nan, "2", None, True, np.True_])
+def test_between_refuses_what_is_outside_or_not_an_integer(value: object) -> None:
+    with pytest.raises(InputError, match=r"blocks must be an integer from 1 to 5, got "):
+        between("blocks", value, 1, 5)

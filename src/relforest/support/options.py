@@ -37,6 +37,35 @@ def at_least(name: str, value: object, low: int) -> int:
     return int(value)
 
 
+def between(name: str, value: object, low: int, high: int) -> int:
+    """Check that an option is an integer from ``low`` to ``high``, both included.
+
+    Parameters
+    ----------
+    name : str
+        The name of the option, as the user wrote it.
+    value : object
+        Any integer, NumPy's included; booleans and floats are refused.
+    low, high : int
+        The smallest and the largest value allowed.
+
+    Returns
+    -------
+    int
+        ``value`` as a Python integer.
+
+    Raises
+    ------
+    InputError
+        If ``value`` is not an integer, or lies outside the bounds.
+    """
+    if not isinstance(value, bool) and isinstance(value, numbers.Integral):
+        number = int(value)
+        if low <= number <= high:
+            return number
+    raise InputError(f"{name} must be an integer from {low} to {high}, got {value!r}")
+
+
 def in_range(
     name: str,
     value: object,

@@ -23,11 +23,11 @@ ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType(
 
 _ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "relforest/Corridor-v0": "relforest.worlds.corridor.env:CorridorEnv",
-        "relforest/Keepaway-v0": "relforest.worlds.keepaway.env:KeepawayEnv",
-        "relforest/HighTowers-v0": "relforest.worlds.blocks.env:high_towers_env",
-        "relforest/ColorGrouping-v0": "relforest.worlds.blocks.env:color_grouping_env",
-        "relforest/Arch-v0": "relforest.worlds.blocks.env:arch_env",
+        "relforest/Corridor-v0": "relforest.worlds.corridor.env:make_corridor",
+        "relforest/Keepaway-v0": "relforest.worlds.keepaway.env:make_keepaway",
+        "relforest/HighTowers-v0": "relforest.worlds.blocks.env:make_high_towers",
+        "relforest/ColorGrouping-v0": "relforest.worlds.blocks.env:make_color_grouping",
+        "relforest/Arch-v0": "relforest.worlds.blocks.env:make_arch",
     }
 )
 

@@ -98,7 +98,7 @@ def test_random_masked_actions_run_without_end(identifier: str) -> None:
         observation, reward, terminated, truncated, info = env.step(
             env.action_space.sample(info["action_mask"])
         )
-        assert observation in env.observation_space
+        assert env.observation_space.contains(observation)
         assert np.isfinite([reward, info["duration"], info["discounted_reward"]]).all()
         assert info["duration"] >= 0.5
         if terminated or truncated:
@@ -341,14 +341,6 @@ def test_pictures_tell_what_was_done(monkeypatch: pytest.MonkeyPatch) -> None:
     assert told[1][1] == pytest.approx((-16.66, 4.0), abs=0.1)
 
 
-@pytest.mark.parametrize("action", [-1, 25, 0.0, float("nan"), None, "put", np.array([1, 2])])
-def test_an_action_that_does_not_exist_is_an_error(action: Any) -> None:
-    env = high_towers_env()
-    env.reset(seed=0)
-    with pytest.raises(InputError, match="action must be an integer from 0 to 24, got"):
-        env.step(action)
-
-
 @pytest.mark.parametrize(
     ("name", "arguments", "message"),
     [
@@ -385,20 +377,23 @@ def test_a_far_away_target_is_given_up() -> None:
     env.reset(seed=0)
     observation, *_, info = env.perform("move", 0, 1e12)
     assert info["option"].steps <= 2500
-    assert observation in env.observation_space
+    assert env.observation_space.contains(observation)
 
 
 @pytest.mark.parametrize(
     ("make", "options", "message"),
     [
-        (high_towers_env, {"n_blocks": 0}, "n_blocks must be an integer of at least 1, got 0"),
-        (high_towers_env, {"max_actions": 0}, "max_actions must be an integer of at least 1"),
+        (high_towers_env, {"n_blocks": 0}, "n_blocks must be an integer from 1 to 100, got 0"),
+        (high_towers_env, {"n_blocks": 99_999}, "n_blocks must be an integer from 1 to 100, got 99999"),
+        (color_grouping_env, {"n_blocks": 101}, "n_blocks must be an integer from 1 to 100, got 101"),
+        (arch_env, {"n_blocks": 26}, "n_blocks must be an integer from 1 to 25, got 26"),
+        (high_towers_env, {"max_actions": 0}, "max_actions must be an integer from 1 to 1000, got 0"),
+        (arch_env, {"max_actions": 1001}, "max_actions must be an integer from 1 to 1000, got 1001"),
         (
             high_towers_env,
             {"handling": Noise()},
             r"handling must be a Handling, such as Handling\(\), got Noise",
         ),
-        (high_towers_env, {"render_mode": "human"}, "render_mode must be one of 'rgb_array'"),
         (color_grouping_env, {"distance": "lab"}, "distance must be one of"),
         (arch_env, {"sampler": "all"}, "sampler must be one of"),
         (arch_env, {"size": (0.0, 4.0)}, "size must be a number of at least 0.02 and of at most 10, got 0.0"),
@@ -425,13 +420,11 @@ def test_the_order_of_calls_is_kept() -> None:
         lambda: env.state,
         lambda: env.simulation,
     ):
-        with pytest.raises(ResetNeeded, match=r"there are no blocks yet: call reset\(\) first"):
+        with pytest.raises(ResetNeeded, match=r"no episode has begun: call reset\(\) first"):
             use()
-    with pytest.raises(InputError, match="no reset options"):
-        env.reset(options={"x": 1})
     env.reset(seed=0)
     assert env.step(0)[3]
-    with pytest.raises(ResetNeeded, match="ended after 1 actions"):
+    with pytest.raises(ResetNeeded, match="ended after 1 action:"):
         env.step(0)
     env.reset()
     env.step(0)

@@ -117,32 +117,11 @@ def test_several_corridors_run_in_a_vector_environment() -> None:
     envs.close()
 
 
-@pytest.mark.parametrize("action", [np.int64(1), np.array(1), True])
-def test_integers_of_any_kind_are_actions(action: Any) -> None:
-    env = CorridorEnv(noise=0.0)
-    env.reset(seed=0, options={"x": 0.5})
-    assert env.step(action)[0]["location"][0, 0] == pytest.approx(0.6)
-
-
-@pytest.mark.parametrize("action", [-1, 2, 0.0, "left", None])
-def test_other_actions_are_errors(action: Any) -> None:
-    env = CorridorEnv()
-    env.reset(seed=0)
-    with pytest.raises(InputError, match=r"action must be 0 \(left\) or 1 \(right\), got"):
-        env.step(action)
-
-
-@pytest.mark.parametrize("use", [CorridorEnv.decision, lambda env: env.step(0), lambda env: env.state])
-def test_nothing_works_before_the_first_reset(use: Any) -> None:
-    with pytest.raises(ResetNeeded, match="call reset"):
-        use(CorridorEnv())
-
-
 def test_no_step_follows_the_last_one() -> None:
     env = CorridorEnv(max_steps=1)
     env.reset(seed=0)
     assert env.step(LEFT)[3] is True
-    with pytest.raises(ResetNeeded, match="ended after 1 steps"):
+    with pytest.raises(ResetNeeded, match="ended after 1 step:"):
         env.step(LEFT)
     env.reset()
     env.step(LEFT)
@@ -158,9 +137,9 @@ def test_no_step_follows_the_last_one() -> None:
         ({"step_length": 1.5}, "step_length must be a number"),
         ({"window": -0.1}, "window must be a number"),
         ({"window": 0.6}, "window must be a number"),
-        ({"max_steps": 0}, "max_steps must be an integer of at least 1, got 0"),
+        ({"max_steps": 0}, "max_steps must be an integer from 1 to 1000000, got 0"),
         ({"max_steps": 2.5}, "max_steps must be an integer"),
-        ({"render_mode": "human"}, "render_mode must be one of 'rgb_array', got 'human'"),
+        ({"max_steps": 1_000_001}, "max_steps must be an integer from 1 to 1000000, got 1000001"),
     ],
 )
 def test_options_outside_their_range_are_errors(options: dict[str, Any], message: str) -> None:
@@ -173,8 +152,8 @@ def test_options_outside_their_range_are_errors(options: dict[str, Any], message
     [
         ({"x": 1.5}, "x must be a number of at least 0 and of at most 1, got 1.5"),
         ({"x": "middle"}, "x must be a number"),
-        ({"y": 0.5}, "reset options of the corridor are 'x'"),
-        ({"x": 0.5, "y": 0.5}, "reset options of the corridor are 'x'"),
+        ({"y": 0.5}, r"'y' is not an option of reset\(\): choose from 'x'"),
+        ({"x": 0.5, "y": 0.5}, r"'y' is not an option of reset\(\)"),
     ],
 )
 def test_bad_reset_options_are_errors(options: dict[str, Any], message: str) -> None:
@@ -193,10 +172,3 @@ def test_rendering_shows_the_state_without_matplotlib() -> None:
     assert first.shape == second.shape
     assert (first != second).any()
     assert ("matplotlib" in sys.modules) == before
-
-
-def test_rendering_needs_its_mode() -> None:
-    env = CorridorEnv()
-    env.reset(seed=0)
-    with pytest.raises(InputError, match='render_mode="rgb_array"'):
-        env.render()

@@ -130,8 +130,8 @@ def test_episodes_are_cut_off_at_the_cap() -> None:
     [
         ({"policy": "best"}, "policy must be one of 'random', 'hold', 'hand', got 'best'"),
         ({"policy": None}, "policy must be one of"),
-        ({"keepers": 1}, "keepers must be an integer of at least 2"),
-        ({"takers": 0}, "takers must be an integer of at least 1"),
+        ({"keepers": 1}, "keepers must be an integer from 2 to 32"),
+        ({"takers": 0}, "takers must be an integer from 1 to 32"),
         ({"size": math.nan}, "size must be"),
         ({"episodes": 0}, "episodes must be an integer of at least 1, got 0"),
         ({"episodes": True}, "episodes must be"),

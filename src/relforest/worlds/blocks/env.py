@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Mapping
-from typing import Any, SupportsIndex, final
+from typing import Any, final
 
-import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, one_of
+from relforest.support.options import between, one_of
+from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.blocks.command import Command, run_command
 from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.moment import Moment, Watcher, observation_space
@@ -27,6 +25,7 @@ from relforest.worlds.blocks.tasks import (
     DISCOUNT,
     DONE,
     MAX_ACTIONS,
+    MOST_ACTIONS,
     MOVE,
     SIDES,
     Task,
@@ -35,15 +34,15 @@ from relforest.worlds.blocks.tasks import (
     high_towers,
 )
 from relforest.worlds.blocks.viewer import BlocksViewer
+from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
+from relforest.worlds.viewing import viewable
 
-_Arrays = dict[str, NDArray[Any]]
-_Info = dict[str, Any]
 _HANDLING = Handling()
 _NOTHING = OptionResult(0.0, 0, 0, grasped=False)
 
 
 @final
-class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
+class BlocksEnv(WorldEnv):
     """Blocks are dropped on a table; a robot lifts, turns and drops them, one option per step.
 
     An episode begins with the blocks at rest and is truncated after ``max_actions`` actions. It terminates
@@ -101,9 +100,10 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
     >>> observation, reward, terminated, truncated, info = env.step(action)
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 2}  # noqa: RUF012 - Gymnasium's type
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 2}  # noqa: RUF012 - Gymnasium's type
     schema = SCHEMA
     discount = DISCOUNT
+    unit = "action"
 
     def __init__(
         self,
@@ -114,19 +114,20 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         max_actions: int = MAX_ACTIONS,
         handling: Handling = _HANDLING,
     ) -> None:
+        super().__init__(render_mode)
+        if not isinstance(task, Task):
+            raise InputError(f"task must be a Task, such as high_towers(), got {task!r}")
         self.task = task
-        self.n_blocks = at_least("n_blocks", n_blocks, 1)
-        self.max_actions = at_least("max_actions", max_actions, 1)
+        self.n_blocks = between("n_blocks", n_blocks, 1, task.most_blocks)
+        self.max_actions = between("max_actions", max_actions, 1, MOST_ACTIONS)
         if not isinstance(handling, Handling):
             raise InputError(f"handling must be a Handling, such as Handling(), got {handling!r}")
-        if render_mode is not None:
-            one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode, self._handling = render_mode, handling
+        self._handling = handling
         self._watcher = Watcher(task, self.n_blocks)
         self.observation_space = observation_space(self._watcher.n_slots)
         self.action_space = spaces.Discrete(self._watcher.n_actions)
-        self._simulation: BlocksSimulation | None = None
-        self._moment: Moment | None = None
+        self._simulation: BlocksSimulation
+        self._moment: Moment
         self._taken = 0
         self._last: Command | None = None
         self._reward = 0.0
@@ -140,15 +141,13 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
     @property
     def simulation(self) -> BlocksSimulation:
         """The blocks themselves; to look at, for they are changed by actions only."""
-        if self._simulation is None:
-            raise ResetNeeded("there are no blocks yet: call reset() first")
+        self._check_begun()
         return self._simulation
 
     @property
     def moment(self) -> Moment:
         """What an agent is shown at present."""
-        if self._moment is None:
-            raise ResetNeeded("there are no blocks yet: call reset() first")
+        self._check_begun()
         return self._moment
 
     @property
@@ -156,34 +155,7 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         """The blocks at present."""
         return self.moment.state
 
-    def reset(
-        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[_Arrays, _Info]:
-        """Drop new blocks and wait until they rest; without a seed, ids count on from the last episode."""
-        if options:
-            raise InputError(f"the blocks world has no reset options, got {dict(options)!r}")
-        super().reset(seed=seed)
-        if self._simulation is None or seed is not None:
-            self._simulation = BlocksSimulation(self.np_random)
-        self._simulation.rng = self.np_random
-        blocks = self.task.blocks(self.np_random, self.n_blocks, self._simulation.next_id)
-        self._simulation.drop(blocks, turned=self.task.turned)
-        self._watcher.begin(np.array([block.id for block in blocks]))
-        self._taken = 0
-        self._look()
-        return self.moment.observation(), self._info()
-
-    def step(self, action: SupportsIndex) -> tuple[_Arrays, float, bool, bool, _Info]:
-        """Take an action of the flat space; one that is unavailable does nothing and counts."""
-        index = self._checked(action)
-        self._check_running()
-        position = np.flatnonzero(self.moment.decision.indices == index)
-        if not len(position):
-            return self._stepped(None, _NOTHING)
-        command = self.command(int(position[0]))
-        return self.perform(command.name, *command.arguments)
-
-    def perform(self, name: str, *arguments: float) -> tuple[_Arrays, float, bool, bool, _Info]:
+    def perform(self, name: str, *arguments: float) -> Step:
         """Take an action by name, like `step`: ``perform("move", 17, -3.5)`` moves block 17 to x = -3.5.
 
         Parameters
@@ -193,7 +165,7 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         *arguments
             Ids of blocks, and x in world units for the target of a move, whether or not it is on offer.
         """
-        self._check_running()
+        self.check_running()
         one_of("action", name, [action_type.name for action_type in self.task.action_types])
         command = Command(name, arguments)
         return self._stepped(command, run_command(self.simulation, command, self._handling))
@@ -219,22 +191,32 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         """Return the objects and the available ground actions of the present state."""
         return self.moment.decision
 
-    def action_masks(self) -> NDArray[np.bool_]:
-        """Return which actions are available, (n_actions,), as learners that mask actions ask for it.
+    def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
+        # Without a seed, ids count on from the episode before.
+        if seed is not None or not self._begun:
+            self._simulation = BlocksSimulation(self.np_random)
+        self._simulation.rng = self.np_random
+        blocks = self.task.blocks(self.np_random, self.n_blocks, self._simulation.next_id)
+        self._simulation.drop(blocks, turned=self.task.turned)
+        self._watcher.begin(np.array([block.id for block in blocks]))
+        self._taken = 0
+        self._look()
+        return self._moment.observation(), self._info()
 
-        There are none after termination. After truncation they are those of the last state, though `step`
-        takes none then.
-        Wrappers do not pass the method on: use ``env.get_wrapper_attr("action_masks")()``.
-        """
-        return self.moment.action_mask.astype(np.bool_)
+    def _act(self, action: int) -> Step:
+        # An action that is unavailable does nothing and counts.
+        position = np.flatnonzero(self._moment.decision.indices == action)
+        if not len(position):
+            return self._stepped(None, _NOTHING)
+        command = self.command(int(position[0]))
+        return self.perform(command.name, *command.arguments)
 
-    def render(self) -> NDArray[np.uint8]:
-        """Return a picture of the present state, (height, width, 3) uint8 RGB.
+    def _ended(self) -> int | None:
+        over = not len(self._moment.decision) or self._taken >= self.max_actions
+        return self._taken if over else None
 
-        It tells what was done last and earned, or what the task is, and shows where the robot let go.
-        """
-        if self.render_mode is None:
-            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
+    def _draw(self) -> NDArray[np.uint8]:
+        # It tells what was done last and earned, or what the task is, and shows where the robot let go.
         if self._viewer is None:
             self._viewer = BlocksViewer()
         state = self.state
@@ -256,38 +238,24 @@ class BlocksEnv(gymnasium.Env[dict[str, Any], np.int64]):
         earned = f"{self._reward:+.2f}".replace("-", "\N{MINUS SIGN}")
         return f"{done}: {earned if abs(self._reward) >= 0.005 else '0.00'}"
 
-    def _checked(self, action: SupportsIndex) -> int:
-        try:
-            return range(self._watcher.n_actions).index(operator.index(action))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"action must be an integer from 0 to {self._watcher.n_actions - 1}, got {action!r}"
-            ) from None
-
-    def _check_running(self) -> None:
-        if not len(self.moment.decision) or self._taken >= self.max_actions:
-            raise ResetNeeded(f"the episode ended after {self._taken} actions: call reset() first")
-
     def _look(self, *, ended: bool = False) -> None:
-        self._moment = self._watcher.look(self.simulation.state, ended=ended)
+        self._moment = self._watcher.look(self._simulation.state, ended=ended)
 
-    def _info(self) -> _Info:
-        return self.moment.info() | {self.task.score_name: self.moment.score}
+    def _info(self) -> Info:
+        return self._moment.info() | {self.task.score_name: self._moment.score}
 
-    def _stepped(
-        self, command: Command | None, result: OptionResult
-    ) -> tuple[_Arrays, float, bool, bool, _Info]:
-        before, name = self.moment.score, "" if command is None else command.name
+    def _stepped(self, command: Command | None, result: OptionResult) -> Step:
+        before, name = self._moment.score, "" if command is None else command.name
         self._taken += 1
         self._look(ended=name == DONE.name)
-        reward = self.task.reward(name, before, self.moment.score)
+        reward = self.task.reward(name, before, self._moment.score)
         self._last, self._reward = command, reward
-        terminated = not len(self.moment.decision)
+        terminated = not len(self._moment.decision)
         info = self._info()
         info["duration"], info["option"] = result.duration, result
         info["discounted_reward"] = reward * DISCOUNT ** (max(result.steps - 1, 0) / STEPS_PER_SECOND)
         truncated = not terminated and self._taken >= self.max_actions
-        return self.moment.observation(), reward, terminated, truncated, info
+        return self._moment.observation(), reward, terminated, truncated, info
 
 
 def high_towers_env(
@@ -357,3 +325,9 @@ def arch_env(
     """
     task = arch(sampler, size)
     return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
+
+
+make_high_towers = viewable(high_towers_env)
+make_color_grouping = viewable(color_grouping_env)
+make_arch = viewable(arch_env)
+"""Make the tasks for ``gymnasium.make``."""

@@ -36,6 +36,14 @@ MAX_ACTIONS: Final = 5
 """Actions of an episode. The source gives 5 for high towers and arches; for colour grouping it mentions "the
 final action of the episode" only, which is read as 5 too."""
 
+MOST_ACTIONS: Final = 1000
+"""Actions of the longest episode that may be asked for: two simulated hours."""
+
+MOST_BLOCKS: Final = 100
+MOST_ARCH_BLOCKS: Final = 25
+"""Blocks of the largest episodes that may be asked for: more push each other off the table, offer more than
+10 000 actions, and take longer than a fifth of a second for each step."""
+
 DISCOUNT: Final = 0.99
 """Discount factor per simulated second."""
 
@@ -85,6 +93,8 @@ class Task:
         Whether every action is paid what it changed about the score (shaping), or only done, the score.
     sampler : Sampler, optional
         Samples targets for moves.
+    most_blocks : int
+        The largest number of blocks.
     """
 
     name: str
@@ -96,6 +106,7 @@ class Task:
     score: Callable[[BlocksState], float]
     pays: Literal["change", "done"]
     sampler: Sampler | None = None
+    most_blocks: int = MOST_BLOCKS
 
     def reward(self, action: str, before: float, after: float) -> float:
         """Return what an action of that name earns, given the scores before and after it."""
@@ -194,6 +205,7 @@ def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
         score=arch_score,
         pays="done",
         sampler=target_sampler(sampler),
+        most_blocks=MOST_ARCH_BLOCKS,
     )
 
 

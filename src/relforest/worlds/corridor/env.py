@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Mapping
-from typing import Any, SupportsIndex, final
+from types import MappingProxyType
+from typing import Any, Final, final
 
-import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from relforest.smdp import Decision
-from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range, one_of
+from relforest.support.options import between, in_range
+from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.corridor.actions import ACTION_TYPES, DIRECTIONS
 from relforest.worlds.corridor.dynamics import NOISE, STEP_LENGTH, next_location
 from relforest.worlds.corridor.reward import WINDOW, reward
 from relforest.worlds.corridor.scene import SCHEMA, decision, scene
 from relforest.worlds.corridor.state import CorridorState, initial_state
 from relforest.worlds.corridor.viewer import CorridorViewer
+from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
+from relforest.worlds.viewing import viewable
 
-_Arrays = dict[str, NDArray[Any]]
-_Info = dict[str, Any]
+MOST_STEPS: Final = 1_000_000
+"""The longest episode that may be asked for."""
+
+
+def _checked_start(x: object) -> float:
+    return in_range("x", x, 0.0, 1.0)
 
 
 @final
-class CorridorEnv(gymnasium.Env[dict[str, Any], np.int64]):
+class CorridorEnv(WorldEnv):
     """An agent in a corridor of length 1 that is paid for ending its steps close to either edge.
 
     Observation: ``location`` (1, 1) float64 and ``mask`` (1,) int8, always 1, as the agent is always there.
@@ -47,7 +51,7 @@ class CorridorEnv(gymnasium.Env[dict[str, Any], np.int64]):
     window : float
         Width of each rewarded window, in corridor lengths, from 0 to 0.5.
     max_steps : int
-        Steps per episode, at least 1.
+        Steps per episode, 1 to 1 000 000.
 
     Raises
     ------
@@ -67,10 +71,13 @@ class CorridorEnv(gymnasium.Env[dict[str, Any], np.int64]):
     >>> observation, reward, terminated, truncated, info = env.step(0)
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012 - Gymnasium's type
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # noqa: RUF012 - Gymnasium's type
     schema = SCHEMA
     action_types = ACTION_TYPES
     discount = 0.9
+    unit = "step"
+    action_meaning = "0: left, 1: right"
+    reset_options = MappingProxyType({"x": _checked_start})
 
     def __init__(
         self,
@@ -81,70 +88,53 @@ class CorridorEnv(gymnasium.Env[dict[str, Any], np.int64]):
         window: float = WINDOW,
         max_steps: int = 10,
     ) -> None:
+        super().__init__(render_mode)
         self.noise = in_range("noise", noise, 0.0, math.inf, open_high=True)
         self.step_length = in_range("step_length", step_length, 0.0, 1.0, open_low=True)
         self.window = in_range("window", window, 0.0, 0.5)
-        self.max_steps = at_least("max_steps", max_steps, 1)
-        if render_mode is not None:
-            one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode = render_mode
+        self.max_steps = between("max_steps", max_steps, 1, MOST_STEPS)
         location = spaces.Box(0.0, 1.0, (1, 1), np.float64)
         self.observation_space = spaces.Dict({"location": location, "mask": spaces.MultiBinary(1)})
         self.action_space = spaces.Discrete(len(ACTION_TYPES))
-        self._state: CorridorState | None = None
+        self._state = CorridorState(0.0)
         self._viewer: CorridorViewer | None = None
 
     @property
     def state(self) -> CorridorState:
         """The present state, an immutable value."""
-        if self._state is None:
-            raise ResetNeeded("the corridor has no state yet: call reset() first")
+        self._check_begun()
         return self._state
-
-    def reset(
-        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[_Arrays, _Info]:
-        """Begin an episode at a uniform location, or at ``options["x"]``."""
-        super().reset(seed=seed)
-        options = options or {}
-        if not options.keys() <= {"x"}:
-            raise InputError(f"reset options of the corridor are 'x' (0 to 1) only, got {dict(options)!r}")
-        start = in_range("x", options["x"], 0.0, 1.0) if options else None
-        self._state = initial_state(self.np_random) if start is None else CorridorState(start)
-        return self._observe(self._state)
-
-    def step(self, action: SupportsIndex) -> tuple[_Arrays, float, bool, bool, _Info]:
-        """Take one step to the left (0) or to the right (1)."""
-        if self.state.steps >= self.max_steps:
-            raise ResetNeeded(f"the episode ended after {self.max_steps} steps: call reset() first")
-        disturbance = self.np_random.normal(0.0, self.noise)
-        x = next_location(self.state.x, _direction(action), disturbance, step_length=self.step_length)
-        self._state = CorridorState(float(x), self.state.steps + 1)
-        observation, info = self._observe(self._state)
-        info["duration"] = 1.0
-        paid = reward(self._state.x, window=self.window)
-        return observation, paid, False, self._state.steps >= self.max_steps, info
 
     def decision(self) -> Decision:
         """Return the objects and the available ground actions of the present state."""
         return decision(self.state)
 
-    def render(self) -> NDArray[np.uint8]:
-        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
-        if self.render_mode is None:
-            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
+    def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
+        self._state = CorridorState(options["x"]) if options else initial_state(self.np_random)
+        return self._observe(self._state)
+
+    def _act(self, action: int) -> Step:
+        disturbance = self.np_random.normal(0.0, self.noise)
+        x = next_location(self._state.x, DIRECTIONS[action], disturbance, step_length=self.step_length)
+        self._state = CorridorState(float(x), self._state.steps + 1)
+        observation, info = self._observe(self._state)
+        info["duration"] = 1.0
+        paid = reward(self._state.x, window=self.window)
+        return observation, paid, False, self._state.steps >= self.max_steps, info
+
+    def _ended(self) -> int | None:
+        return self._state.steps if self._state.steps >= self.max_steps else None
+
+    def _draw(self) -> NDArray[np.uint8]:
         if self._viewer is None:
             self._viewer = CorridorViewer(window=self.window, max_steps=self.max_steps)
-        return self._viewer.draw(self.state)
+        return self._viewer.draw(self._state)
 
-    def _observe(self, state: CorridorState) -> tuple[_Arrays, _Info]:
+    def _observe(self, state: CorridorState) -> tuple[Arrays, Info]:
         # New arrays every time: callers may keep and change what they are given.
         observation = {"location": np.array([[state.x]]), "mask": np.ones(1, dtype=np.int8)}
         return observation, {"scene": scene(state), "action_mask": np.ones(len(ACTION_TYPES), dtype=np.int8)}
 
 
-def _direction(action: SupportsIndex) -> float:
-    try:
-        return DIRECTIONS[range(len(DIRECTIONS)).index(operator.index(action))]
-    except (TypeError, ValueError):
-        raise InputError(f"action must be 0 (left) or 1 (right), got {action!r}") from None
+make_corridor = viewable(CorridorEnv)
+"""Makes the corridor for ``gymnasium.make``."""

@@ -25,6 +25,7 @@ from relforest.worlds.keepaway.memory import DECIDED
 from relforest.worlds.keepaway.referee import place
 from relforest.worlds.keepaway.scene import attributes_of, blank_scenes, decision, describe, objects
 from relforest.worlds.keepaway.variables import by_distance, n_variables, nearest_keeper, state_variables
+from relforest.worlds.keepaway.viewer import KeepawayViewer
 from relforest.worlds.keepaway.views import Work, new_work
 
 DISCOUNT: Final = 0.9
@@ -84,7 +85,18 @@ class Batch:
         self._blank = blank_scenes(n_games, keepers, takers)
         ends = np.linspace(0, n_games, min(n_threads, n_games) + 1).astype(np.int64).tolist()
         self._shares = [slice(first, last) for first, last in pairwise(ends)]
-        self._pool = ThreadPoolExecutor(len(self._shares)) if len(self._shares) > 1 else None
+        self._pool: ThreadPoolExecutor | None = None
+        self._viewer: KeepawayViewer | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the threads, which cannot be copied or pickled; others are started when needed."""
+        return self.__dict__ | {"_pool": None}
+
+    def close(self) -> None:
+        """Stop the threads; whoever plays on starts others."""
+        if self._pool is not None:
+            self._pool.shutdown()
+            self._pool = None
 
     def __len__(self) -> int:
         """Return the number of games."""
@@ -132,6 +144,8 @@ class Batch:
         """
         play = partial(self._play_share, actions)
         # A pool costs more than a few games take.
+        if len(self._shares) > 1 and self._pool is None:
+            self._pool = ThreadPoolExecutor(len(self._shares))
         most = map(play, self._shares) if self._pool is None else self._pool.map(play, self._shares)
         if max(most) >= MOST_REPLAYS:
             raise InputError(
@@ -169,6 +183,21 @@ class Batch:
         """Return the objects and the available actions of one game."""
         seen = self.seen
         return decision(seen.objects[g].copy(), int(seen.actors[g]), seen.receivers[g])
+
+    def picture(self, g: int) -> NDArray[np.uint8]:
+        """Return a picture of one game, (height, width, 3) uint8 RGB."""
+        setup, seen = self.setup, self.seen
+        if self._viewer is None:
+            self._viewer = KeepawayViewer(
+                keepers=setup.keepers, takers=setup.takers, length=setup.length, width=setup.width
+            )
+        return self._viewer.draw(
+            self.games.players[g],
+            self.games.ball[g],
+            actor=int(seen.actors[g]),
+            receivers=seen.receivers[g],
+            time=int(self.times[g]),
+        )
 
     def discounted(self) -> NDArray[np.float64]:
         """Return the sum of `DISCOUNT` ** k over the cycles k = 0, 1, ... since the decision before, (G,)."""

@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Mapping
-from typing import Any, SupportsIndex, final
+from typing import Any, final
 
-import gymnasium
 import numpy as np
-from gymnasium import spaces
-from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from relforest.smdp import Decision
-from relforest.support.errors import InputError
-from relforest.support.options import one_of
 from relforest.support.rng import seed_sequence
+from relforest.worlds.arguments import RENDER_MODES
+from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
 from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, Batch
 from relforest.worlds.keepaway.layout import CAPPED, OUT, PLAYING, TAKEN
 from relforest.worlds.keepaway.options import KeepawayOptions
 from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
 from relforest.worlds.keepaway.spaces import action_space, observation_space
-from relforest.worlds.keepaway.viewer import KeepawayViewer
-
-_Arrays = dict[str, NDArray[Any]]
-_Info = dict[str, Any]
+from relforest.worlds.viewing import viewable
 
 
 @final
-class KeepawayEnv(gymnasium.Env[dict[str, Any], np.int64]):
+class KeepawayEnv(WorldEnv):
     """Keepers pass a ball among themselves for as long as they can; takers try to get it.
 
     One step is one decision of the keeper that has the ball in reach, whichever it is: 0 = hold, i = pass to
@@ -81,12 +74,12 @@ class KeepawayEnv(gymnasium.Env[dict[str, Any], np.int64]):
     >>> observation, reward, terminated, truncated, info = env.step(0)
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
     schema = SCHEMA
     action_types = ACTION_TYPES
     discount = DISCOUNT
-    observation_space: spaces.Dict
-    action_space: spaces.Discrete
+    unit = "cycle"
+    action_meaning = "0: hold, i: pass to the i-th nearest teammate"
 
     def __init__(
         self,
@@ -99,85 +92,55 @@ class KeepawayEnv(gymnasium.Env[dict[str, Any], np.int64]):
         stuck_ball: int = 0,
         max_cycles: int = 0,
     ) -> None:
+        super().__init__(render_mode)
         self.setup = KeepawayOptions(keepers, takers, size, perception, stuck_ball, max_cycles).setup()
-        if render_mode is not None:
-            one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.render_mode = render_mode
         self.observation_space = observation_space(self.setup)
         self.action_space = action_space(self.setup)
         self._batch = Batch(self.setup, 1)
-        self._begun = False
-        self._viewer: KeepawayViewer | None = None
 
     @property
     def batch(self) -> Batch:
         """The game, as a batch of one."""
-        if not self._begun:
-            raise ResetNeeded("there is no game of keepaway yet: call reset() first")
+        self._check_begun()
         return self._batch
 
-    def reset(
-        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[_Arrays, _Info]:
-        """Begin an episode; without a seed, the players keep the body directions of the one before."""
-        super().reset(seed=seed)
-        if options:
-            raise InputError(f"keepaway has no reset options, got {dict(options)!r}")
+    def decision(self) -> Decision:
+        """Return the players and the available ground actions of the present state."""
+        return self.batch.decision(0)
+
+    def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
+        # Without a seed, the players keep the body directions of the episode before.
         if seed is None and self._begun:
             self._batch.begin([None])
         else:
             self._batch.begin([seed_sequence(self.np_random if seed is None else seed)])
-            self._begun = True
         info = self._info()
         info["without_decision"] = int(self._batch.seen.skipped[0])
         return self._observation(), info
 
-    def step(self, action: SupportsIndex) -> tuple[_Arrays, float, bool, bool, _Info]:
-        """Let the deciding keeper hold (0) or pass to its i-th nearest teammate (i)."""
-        batch = self.batch
-        if batch.ends[0] != PLAYING:
-            raise ResetNeeded(f"the episode ended after {batch.times[0]} cycles: call reset() first")
-        batch.play(np.array([self._checked(action)]))
+    def _act(self, action: int) -> Step:
+        batch = self._batch
+        batch.play(np.array([action]))
         end, elapsed, info = int(batch.ends[0]), float(batch.seen.elapsed[0]), self._info()
         info["duration"], info["discounted_reward"] = elapsed, float(batch.discounted()[0])
         if end != PLAYING:
             info["end"] = END_NAMES[end]
         return self._observation(), elapsed, end in (OUT, TAKEN), end == CAPPED, info
 
-    def decision(self) -> Decision:
-        """Return the players and the available ground actions of the present state."""
-        return self.batch.decision(0)
+    def _ended(self) -> int | None:
+        return None if self._batch.ends[0] == PLAYING else int(self._batch.times[0])
 
-    def render(self) -> NDArray[np.uint8]:
-        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
-        if self.render_mode is None:
-            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
-        batch, setup = self.batch, self.setup
-        if self._viewer is None:
-            self._viewer = KeepawayViewer(
-                keepers=setup.keepers, takers=setup.takers, length=setup.length, width=setup.width
-            )
-        return self._viewer.draw(
-            batch.games.players[0],
-            batch.games.ball[0],
-            actor=int(batch.seen.actors[0]),
-            receivers=batch.seen.receivers[0],
-            time=int(batch.times[0]),
-        )
+    def _draw(self) -> NDArray[np.uint8]:
+        return self._batch.picture(0)
 
-    def _observation(self) -> _Arrays:
+    def _observation(self) -> Arrays:
         return {name: array[0] for name, array in self._batch.observation().items()}
 
-    def _info(self) -> _Info:
-        info: _Info = {name: array[0] for name, array in self._batch.info().items()}
+    def _info(self) -> Info:
+        info: Info = {name: array[0] for name, array in self._batch.info().items()}
         info["actor"], info["time"] = int(info["actor"]), int(info["time"])
         return info | {"scene": self._batch.scenes()}
 
-    def _checked(self, action: SupportsIndex) -> int:
-        try:
-            return range(self.setup.keepers).index(operator.index(action))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"action must be 0 (hold) or an integer up to {self.setup.keepers - 1} (pass to that "
-                f"teammate, counted by distance), got {action!r}"
-            ) from None
+
+make_keepaway = viewable(KeepawayEnv)
+"""Makes keepaway for ``gymnasium.make``."""

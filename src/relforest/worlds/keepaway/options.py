@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, TypedDict, final
 
 import numpy as np
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range, one_of
+from relforest.support.options import between, in_range, one_of
 from relforest.worlds.keepaway.layout import PERCEPTIONS, Setup
 
 SMALLEST_SIDE: Final = 8.0
@@ -20,6 +20,20 @@ LARGEST_SIDE: Final = 1000.0
 
 LARGEST_TEAM: Final = 32
 """Players. What they see of each other grows with the square of their number."""
+
+MOST_CYCLES: Final = 1_000_000
+"""Cycles: more than a day of play."""
+
+
+class Rules(TypedDict, total=False):
+    """The parameters of `KeepawayOptions`, for functions that pass them on."""
+
+    keepers: int
+    takers: int
+    size: float | tuple[float, float]
+    perception: str
+    stuck_ball: int
+    max_cycles: int
 
 
 @final
@@ -43,9 +57,9 @@ class KeepawayOptions:
         ``stuck_ball`` alone seldom ends: choose ``max_cycles`` too.
     stuck_ball : int
         Cycles after which the referee stops a ball that has stayed within 3 m; 0 = never. The RoboCup 2-D
-        server has 100 (versions 15 and later).
+        server has 100 (versions 15 and later). At most 1 000 000.
     max_cycles : int
-        Cycles after which an episode is cut off; 0 = never.
+        Cycles after which an episode is cut off, at most 1 000 000; 0 = never.
 
     Raises
     ------
@@ -83,21 +97,31 @@ class KeepawayOptions:
         """Return the same as the plain numbers that kernels take."""
         length, width = _sides(self.size)
         return Setup(
-            keepers=_team("keepers", self.keepers, 2),
-            takers=_team("takers", self.takers, 1),
+            keepers=between("keepers", self.keepers, 2, LARGEST_TEAM),
+            takers=between("takers", self.takers, 1, LARGEST_TEAM),
             length=length,
             width=width,
             perception=PERCEPTIONS[one_of("perception", self.perception, tuple(PERCEPTIONS))],
-            stuck_ball=at_least("stuck_ball", self.stuck_ball, 0),
-            max_cycles=at_least("max_cycles", self.max_cycles, 0),
+            stuck_ball=between("stuck_ball", self.stuck_ball, 0, MOST_CYCLES),
+            max_cycles=between("max_cycles", self.max_cycles, 0, MOST_CYCLES),
         )
 
 
-def _team(name: str, value: object, low: int) -> int:
-    count = at_least(name, value, low)
-    if count > LARGEST_TEAM:
-        raise InputError(f"{name} must be an integer of at most {LARGEST_TEAM}, got {value!r}")
-    return count
+def checked_options(options: object) -> Setup:
+    """Return what kernels take of options; None stands for the default.
+
+    Raises
+    ------
+    InputError
+        If they are neither `KeepawayOptions` nor None.
+    """
+    if options is None:
+        return KeepawayOptions().setup()
+    if not isinstance(options, KeepawayOptions):
+        raise InputError(
+            f"options must be KeepawayOptions, such as KeepawayOptions(takers=1), got {options!r}"
+        )
+    return options.setup()
 
 
 def _sides(size: object) -> tuple[float, float]:

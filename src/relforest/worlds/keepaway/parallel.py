@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import copy
-import operator
 from collections.abc import Mapping
-from typing import Any, SupportsIndex, final
+from typing import Any, Final, SupportsIndex, Unpack, final
 
 import numpy as np
 from gymnasium import spaces
-from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
-from relforest.worlds.keepaway.env import KeepawayEnv
+from relforest.worlds.arguments import checked_action, checked_reset_options
+from relforest.worlds.keepaway.env import KeepawayEnv, make_keepaway
+from relforest.worlds.keepaway.options import Rules
 from relforest.worlds.keepaway.scene import NOBODY
 
 try:
@@ -26,6 +26,8 @@ except ImportError as error:
 _Observation = dict[str, Any]
 _Observations = dict[str, _Observation]
 _Infos = dict[str, dict[str, Any]]
+
+_MEANING: Final = f"{KeepawayEnv.action_meaning}; the last one: wait"
 
 
 @final
@@ -43,10 +45,11 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
 
     Parameters
     ----------
-    render_mode : {"rgb_array"}, optional
-        Whether `render` returns pictures.
-    keepers, takers, size, perception, stuck_ball, max_cycles
-        The rules of the game, see `KeepawayOptions`.
+    render_mode : {"rgb_array", "human"}, optional
+        Whether `render` returns pictures, or every state is shown in a window.
+    **rules
+        The rules of the game: keepers, takers, size, perception, stuck_ball and max_cycles, see
+        `KeepawayOptions`.
 
     Raises
     ------
@@ -64,33 +67,16 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         "is_parallelizable": True,
     }
 
-    def __init__(
-        self,
-        render_mode: str | None = None,
-        *,
-        keepers: int = 3,
-        takers: int = 2,
-        size: float | tuple[float, float] = 20.0,
-        perception: str = "quantised",
-        stuck_ball: int = 0,
-        max_cycles: int = 0,
-    ) -> None:
-        self._env = KeepawayEnv(
-            render_mode,
-            keepers=keepers,
-            takers=takers,
-            size=size,
-            perception=perception,
-            stuck_ball=stuck_ball,
-            max_cycles=max_cycles,
-        )
-        self.render_mode = render_mode
+    def __init__(self, render_mode: str | None = None, **rules: Unpack[Rules]) -> None:
+        self._env = make_keepaway(render_mode, **rules)
+        self._game: KeepawayEnv = self._env.unwrapped  # type: ignore[assignment]
+        self.render_mode, keepers = render_mode, self._game.setup.keepers
         self.possible_agents = [f"keeper_{i}" for i in range(keepers)]
         self.agents: list[str] = []
         self.wait = keepers
         """The action of keepers that do not decide."""
         observed = {
-            "observation": self._env.observation_space,
+            "observation": self._game.observation_space,
             "action_mask": spaces.MultiBinary(keepers + 1),
         }
         self.observation_spaces = {agent: spaces.Dict(observed) for agent in self.possible_agents}
@@ -105,11 +91,10 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         return self.action_spaces[agent]
 
     def reset(
-        self,
-        seed: int | None = None,
-        options: Mapping[str, Any] | None = None,  # noqa: ARG002 - PettingZoo passes any
+        self, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[_Observations, _Infos]:
-        """Begin an episode."""
+        """Begin an episode; as PettingZoo asks, options that are unknown are passed over."""
+        checked_reset_options(options, None)
         observation, info = self._env.reset(seed=seed)
         self.agents = list(self.possible_agents)
         return self._observations(observation, info["actor"]), self._infos(info)
@@ -118,8 +103,7 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         self, actions: Mapping[str, SupportsIndex]
     ) -> tuple[_Observations, dict[str, float], dict[str, bool], dict[str, bool], _Infos]:
         """Let the deciding keeper act and the others wait, until a keeper must decide again."""
-        if not self.agents:
-            raise ResetNeeded("no agent plays: call reset() first")
+        self._game.check_running()
         observation, reward, terminated, truncated, info = self._env.step(self._chosen(actions))
         # A keeper stands in as the actor after a truncation, but has nothing to decide any more.
         actor = NOBODY if truncated else info["actor"]
@@ -128,19 +112,23 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
             self.agents = []
         return (
             observations,
-            dict.fromkeys(agents, reward),
+            dict.fromkeys(agents, float(reward)),
             dict.fromkeys(agents, terminated),
             dict.fromkeys(agents, truncated),
             self._infos(info),
         )
 
-    def render(self) -> NDArray[np.uint8]:
-        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
+    def render(self) -> Any:  # noqa: ANN401 - what the render mode says
+        """Return a picture of the present state, (height, width, 3) uint8 RGB; None if there is a window."""
         return self._env.render()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._env.close()
 
     def state(self) -> NDArray[np.float64]:
         """Return the true state: x, y, vx, vy, body of every player, then x, y, vx, vy of the ball."""
-        games = self._env.batch.games
+        games = self._game.batch.games
         return np.concatenate([games.players[0].ravel(), games.ball[0]])
 
     def _chosen(self, actions: Mapping[str, SupportsIndex]) -> int:
@@ -149,10 +137,12 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
             raise InputError(f"actions must be a mapping from agents to actions, got {actions!r}")
         if not actions.keys() <= set(self.possible_agents):
             raise InputError(f"agents are {', '.join(self.possible_agents)}, got actions of {list(actions)}")
-        actor = int(self._env.batch.seen.actors[0])
+        actor = int(self._game.batch.seen.actors[0])
         chosen = self.wait
         for i, agent in enumerate(self.possible_agents):
-            action = self._checked(agent, actions.get(agent, self.wait))
+            action = checked_action(
+                actions.get(agent, self.wait), self.wait + 1, _MEANING, f"the action of {agent}"
+            )
             if i == actor:
                 chosen = action
             elif action != self.wait:
@@ -163,14 +153,6 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         if chosen == self.wait:
             raise InputError(f"keeper_{actor} must decide: give it an action from 0 to {self.wait - 1}")
         return chosen
-
-    def _checked(self, agent: str, action: SupportsIndex) -> int:
-        try:
-            return range(self.wait + 1).index(operator.index(action))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"the action of {agent} must be an integer from 0 to {self.wait}, got {action!r}"
-            ) from None
 
     def _observations(self, observation: _Observation, actor: int) -> _Observations:
         masks = np.zeros((self.wait, self.wait + 1), dtype=np.int8)

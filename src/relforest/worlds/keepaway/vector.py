@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, final
+from typing import Any, Final, Unpack, final
 
 import numpy as np
 from gymnasium import spaces
@@ -14,16 +14,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
-from relforest.support.options import at_least
+from relforest.support.options import at_least, between
 from relforest.support.rng import seed_sequence
+from relforest.worlds.arguments import RENDER_MODES, checked_render_mode, checked_reset_options, checked_seed
 from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, RESTART, Batch
+from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.layout import CAPPED, PLAYING
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.options import KeepawayOptions, Rules
 from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
 from relforest.worlds.keepaway.spaces import action_space, observation_space
 
 _Arrays = dict[str, NDArray[Any]]
 _Infos = dict[str, Any]
+
+MOST_GAMES: Final = 8192
+"""With the largest teams, they take 2 GB of memory."""
+
+MOST_THREADS: Final = 256
+"""More than there are cores in a machine."""
 
 
 @final
@@ -39,11 +47,14 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     Parameters
     ----------
     num_envs : int
-        How many games.
-    keepers, takers, size, perception, stuck_ball, max_cycles
-        The rules of all games, see `KeepawayOptions`.
+        How many games, 1 to 8192.
     n_threads : int
-        How many threads play at the same time, at least 1; the result does not depend on it.
+        How many threads play at the same time, 1 to 256; the result does not depend on it.
+    render_mode : {"rgb_array"}, optional
+        Whether `render` returns pictures.
+    **rules
+        The rules of all games: keepers, takers, size, perception, stuck_ball and max_cycles, see
+        `KeepawayOptions`.
 
     Raises
     ------
@@ -61,7 +72,11 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     >>> observations, rewards, terminations, truncations, infos = envs.step(np.zeros(64, dtype=np.int64))
     """
 
-    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012 - Gymnasium's type
+    metadata: dict[str, Any] = {  # noqa: RUF012 - Gymnasium's type
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+        "render_modes": list(RENDER_MODES),
+        "render_fps": KeepawayEnv.metadata["render_fps"],
+    }
     schema = SCHEMA
     action_types = ACTION_TYPES
     discount = DISCOUNT
@@ -72,28 +87,26 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         self,
         num_envs: int = 1,
         *,
-        keepers: int = 3,
-        takers: int = 2,
-        size: float | tuple[float, float] = 20.0,
-        perception: str = "quantised",
-        stuck_ball: int = 0,
-        max_cycles: int = 0,
         n_threads: int = 1,
+        render_mode: str | None = None,
+        **rules: Unpack[Rules],
     ) -> None:
-        self.setup = KeepawayOptions(keepers, takers, size, perception, stuck_ball, max_cycles).setup()
-        self.num_envs = at_least("num_envs", num_envs, 1)
+        self.setup = KeepawayOptions(**rules).setup()
+        self.num_envs = between("num_envs", num_envs, 1, MOST_GAMES)
+        self.render_mode = checked_render_mode(render_mode)
+        threads = between("n_threads", n_threads, 1, MOST_THREADS)
         self.single_observation_space = observation_space(self.setup)
         self.single_action_space = action_space(self.setup)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._batch = Batch(self.setup, self.num_envs, at_least("n_threads", n_threads, 1))
+        self._batch = Batch(self.setup, self.num_envs, threads)
         self._begun = False
 
     @property
     def batch(self) -> Batch:
         """The games."""
         if not self._begun:
-            raise ResetNeeded("there are no games of keepaway yet: call reset() first")
+            raise ResetNeeded("no episode has begun: call reset() first")
         return self._batch
 
     def reset(
@@ -107,10 +120,10 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
             One seed per game; from an integer s, game i gets s + i. A game without a seed goes on to its next
             episode.
         """
-        if options:
-            raise InputError(f"keepaway has no reset options, got {dict(options)!r}")
-        super().reset(seed=seed if isinstance(seed, int) else None)
-        self._batch.begin([self._seed_sequence(entry) for entry in self._seeds(seed)])
+        checked_reset_options(options, {})
+        seeds = self._seeds(seed)
+        super().reset(seed=seeds[0] if isinstance(seed, (int, np.integer)) else None)
+        self._batch.begin([self._seed_sequence(entry) for entry in seeds])
         self._begun = True
         infos = self._infos()
         _add(infos, "without_decision", self._batch.seen.skipped.copy(), infos["_time"].copy())
@@ -131,6 +144,21 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         _add(infos, "end", names, ended)
         return batch.observation(), rewards, ended & ~truncated, truncated, infos
 
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which actions are available in each game, (num_envs, keepers), for learners that mask."""
+        masks: NDArray[np.bool_] = self.batch.info()["action_mask"].astype(np.bool_)
+        return masks
+
+    def render(self) -> tuple[NDArray[np.uint8], ...]:
+        """Return a picture of each game, (height, width, 3) uint8 RGB."""
+        if self.render_mode is None:
+            raise InputError('nothing to render with: make the games with render_mode="rgb_array"')
+        return tuple(self.batch.picture(g) for g in range(self.num_envs))
+
+    def close_extras(self) -> None:
+        """Stop the threads."""
+        self._batch.close()
+
     def scenes(self) -> Scenes:
         """Return the present scene of every game, as `Scenes` of length ``num_envs``."""
         return self.batch.scenes()
@@ -141,18 +169,17 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
             _add(infos, name, values, np.ones(self.num_envs, dtype=np.bool_))
         return infos
 
-    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
+    def _seeds(self, seed: object) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, (int, np.integer)):
-            return [int(seed) + i for i in range(self.num_envs)]
-        if not isinstance(seed, (Sequence, np.ndarray)):
-            raise InputError(
-                f"seed must be an integer, a sequence with one for each game, or None, got {seed!r}"
-            )
-        if len(seed) != self.num_envs:
-            raise InputError(f"seed must hold one seed for each of {self.num_envs} games, got {len(seed)}")
-        return seed
+        if isinstance(seed, (Sequence, np.ndarray)) and not isinstance(seed, (str, bytes)):
+            if len(seed) != self.num_envs:
+                raise InputError(
+                    f"seed must hold one seed for each of {self.num_envs} games, got {len(seed)}"
+                )
+            return [checked_seed(entry) for entry in seed]
+        first = at_least("seed", seed, 0)
+        return [first + i for i in range(self.num_envs)]
 
     def _seed_sequence(self, seed: int | None) -> np.random.SeedSequence | None:
         if seed is None:

@@ -1,0 +1,114 @@
+"""What all worlds accept from outside, and what they say about everything else."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+
+Check: TypeAlias = Callable[[object], Any]
+
+RENDER_MODES: Final = ("rgb_array",)
+"""What every world draws by itself; `viewing` adds what Gymnasium's wrappers make of it."""
+
+
+def checked_action(action: object, n_actions: int, meaning: str = "", name: str = "action") -> int:
+    """Return a member of a ``Discrete`` space as a plain integer.
+
+    Parameters
+    ----------
+    action : object
+        An integer of any kind: Python's, NumPy's, or an array of an integer without dimensions.
+    n_actions : int
+        Size of the space.
+    meaning : str
+        What the numbers stand for, for the message.
+    name : str
+        What to call the action in the message.
+
+    Raises
+    ------
+    InputError
+        If it is not one of 0 to ``n_actions - 1``.
+    """
+    try:
+        index = operator.index(action)  # type: ignore[arg-type]
+    except TypeError:
+        index = -1
+    if 0 <= index < n_actions:
+        return index
+    shape = getattr(action, "shape", ())
+    found = f"an array of shape {shape}: pass one of its elements" if shape else repr(action)
+    explained = f" ({meaning})" if meaning else ""
+    raise InputError(f"{name} must be an integer from 0 to {n_actions - 1}{explained}, got {found}")
+
+
+def checked_seed(seed: object) -> int | None:
+    """Return the seed of a reset as a plain integer, or None.
+
+    Raises
+    ------
+    InputError
+        If it is neither None nor an integer of at least 0.
+    """
+    return None if seed is None else at_least("seed", seed, 0)
+
+
+def checked_reset_options(options: object, known: Mapping[str, Check] | None) -> dict[str, Any]:
+    """Return the options of a reset by name; none for None.
+
+    Parameters
+    ----------
+    options : object
+        A mapping from names to values, or None.
+    known : mapping of str to callable, optional
+        Name of each option of the world -> what checks its value and returns it; None lets all pass.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or an option is unknown or has a wrong value.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise InputError(f"options of reset() must be a dictionary or None, got {options!r}")
+    if known is None:
+        return dict(options)
+    for name in options:
+        if name not in known:
+            remedy = f"choose from {', '.join(map(repr, known))}" if known else "this world takes none"
+            raise InputError(f"{name!r} is not an option of reset(): {remedy}")
+    return {name: known[name](value) for name, value in options.items()}
+
+
+def checked_render_mode(render_mode: object) -> str | None:
+    """Return a mode that a world renders in by itself, or None.
+
+    Raises
+    ------
+    InputError
+        If it is neither None nor one of `RENDER_MODES`.
+    """
+    if render_mode is None or (isinstance(render_mode, str) and render_mode in RENDER_MODES):
+        return render_mode
+    remedy = '; use gymnasium.make(..., render_mode="human")' if render_mode == "human" else ""
+    raise InputError(f'render_mode must be "rgb_array" or None, got {render_mode!r}{remedy}')
+
+
+def checked_generator(rng: object) -> np.random.Generator:
+    """Return a source of random numbers.
+
+    Raises
+    ------
+    InputError
+        If it is not a `numpy.random.Generator`.
+    """
+    if not isinstance(rng, np.random.Generator):
+        raise InputError(f"rng must be a numpy Generator, such as numpy.random.default_rng(0), got {rng!r}")
+    return rng

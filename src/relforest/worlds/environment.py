@@ -1,0 +1,133 @@
+"""What the Gymnasium faces of all worlds have in common: one way to reset, to step, to mask and to draw."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, ClassVar, SupportsIndex
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from relforest.worlds.arguments import (
+    Check,
+    checked_action,
+    checked_render_mode,
+    checked_reset_options,
+    checked_seed,
+)
+
+Arrays = dict[str, NDArray[Any]]
+Info = dict[str, Any]
+Step = tuple[Arrays, float, bool, bool, Info]
+
+
+class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
+    """An environment that checks all it is given before anything changes.
+
+    A world says how an episode begins (`_begin`), what an action does (`_act`), when the episode is over
+    (`_ended`), and how it looks (`_draw`).
+
+    Parameters
+    ----------
+    render_mode : {"rgb_array"}, optional
+        Whether `render` returns pictures.
+
+    Raises
+    ------
+    InputError
+        If an option, an action, a seed or a reset option is not one that the world takes.
+    gymnasium.error.ResetNeeded
+        On any use before the first `reset`, and on a step after the end of an episode.
+    """
+
+    observation_space: spaces.Dict
+    action_space: spaces.Discrete
+    unit: ClassVar[str]
+    """What the length of an episode is counted in."""
+    action_meaning: ClassVar[str] = ""
+    """What the numbers of the actions stand for."""
+    reset_options: ClassVar[Mapping[str, Check]] = MappingProxyType({})
+    """Name of each option of `reset` -> what checks its value and returns it."""
+
+    def __init__(self, render_mode: str | None) -> None:
+        self.render_mode = checked_render_mode(render_mode)
+        self._begun = False
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[Arrays, Info]:
+        """Begin an episode.
+
+        Parameters
+        ----------
+        seed : int, optional
+            At least 0; the same seed gives the same episodes. Without one, random numbers continue.
+        options : mapping, optional
+            Those of `reset_options`.
+        """
+        chosen, seed = checked_reset_options(options, self.reset_options), checked_seed(seed)
+        super().reset(seed=seed)
+        result = self._begin(seed, chosen)
+        self._begun = True
+        return result
+
+    def step(self, action: SupportsIndex) -> Step:
+        """Take an action of the flat space: an integer of any kind."""
+        self.check_running()
+        return self._act(checked_action(action, int(self.action_space.n), self.action_meaning))
+
+    @abstractmethod
+    def decision(self) -> Decision:
+        """Return the objects and the available ground actions of the present state."""
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which actions are available, (n_actions,), as learners that mask actions ask for it.
+
+        They are those of ``info["action_mask"]``. Wrappers do not pass the method on: use
+        ``env.get_wrapper_attr("action_masks")()``.
+        """
+        masks = np.zeros(int(self.action_space.n), dtype=np.bool_)
+        masks[self.decision().indices] = True
+        return masks
+
+    def render(self) -> NDArray[np.uint8]:
+        """Return a picture of the present state, (height, width, 3) uint8 RGB."""
+        if self.render_mode is None:
+            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
+        self._check_begun()
+        return self._draw()
+
+    def _check_begun(self) -> None:
+        if not self._begun:
+            raise ResetNeeded("no episode has begun: call reset() first")
+
+    def check_running(self) -> None:
+        """Raise `ResetNeeded` if no episode is under way."""
+        self._check_begun()
+        length = self._ended()
+        if length is not None:
+            counted = f"{length} {self.unit}{'' if length == 1 else 's'}"
+            raise ResetNeeded(f"the episode ended after {counted}: call reset() first")
+
+    @abstractmethod
+    def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:
+        """Begin an episode and return what `reset` returns; ``np_random`` is seeded."""
+
+    @abstractmethod
+    def _act(self, action: int) -> Step:
+        """Take an action of the space while an episode runs."""
+
+    @abstractmethod
+    def _ended(self) -> int | None:
+        """Return how long the present episode was, in `unit`; None if it goes on."""
+
+    @abstractmethod
+    def _draw(self) -> NDArray[np.uint8]:
+        """Draw the present state."""
