@@ -201,6 +201,11 @@ class Decision:
         """Number of objects that belong to the scene of every action: the first rows."""
         return len(self.objects) - self.n_private
 
+    def check_offers(self) -> None:
+        """Raise `InputError` if no action is available, as after the end of an episode."""
+        if not len(self):
+            raise InputError("the decision offers no action: the episode has ended, call reset() first")
+
     def action(self, position: int) -> Action:
         """Return the available action at `position` (0 <= position < len) as a structured value.
 
@@ -209,8 +214,8 @@ class Decision:
         InputError
             If there is no such position.
         """
-        if not 0 <= position < len(self):
-            raise InputError(f"position must name one of the {len(self)} available actions, got {position}")
+        if not isinstance(position, (int, np.integer)) or not 0 <= position < len(self):
+            raise InputError(f"position must name one of the {len(self)} available actions, got {position!r}")
         bound = self.arguments[position]
         return Action(int(self.types[position]), tuple(int(row) for row in bound[bound != UNBOUND]))
 

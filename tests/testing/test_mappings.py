@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -181,3 +182,9 @@ def test_argument_orders_that_do_not_stand_for_all(orders: tuple[tuple[int, ...]
 def test_a_bad_seed_is_refused() -> None:
     with pytest.raises(InputError, match="seed must be an integer of at least 0"):
         check_mapping(Mapping("identity", LOCATION), seed=-1)
+
+
+@pytest.mark.parametrize("mapping", [None, "distance", 3, Mapping])
+def test_what_is_not_a_mapping_is_refused(mapping: Any) -> None:
+    with pytest.raises(InputError, match="mapping must be a mapping, such as Mapping"):
+        check_mapping(mapping)

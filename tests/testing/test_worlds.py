@@ -131,6 +131,11 @@ def stepping(**changes: Any) -> dict[str, Patch]:
     return {"step": patch}
 
 
+def masking(function: Patch) -> dict[str, Patch]:
+    """Patch what action_masks returns."""
+    return {"action_masks": lambda original: lambda: function(original())}
+
+
 def deciding(**changes: Any) -> dict[str, Patch]:
     """Patch fields of the decision."""
     return {"decision": lambda original: lambda: replace(original(), **changes)}
@@ -160,9 +165,9 @@ def test_an_object_that_is_no_environment_is_an_input_error() -> None:
         check_world(lambda: 3)  # type: ignore[arg-type, return-value]  # the mistake under test
 
 
-@pytest.mark.parametrize("options", [{"steps": 0}, {"seed": -1}])
+@pytest.mark.parametrize("options", [{"steps": 0}, {"steps": 10**9}, {"seed": -1}, {"seed": True}])
 def test_options_are_checked(options: dict[str, int]) -> None:
-    with pytest.raises(InputError, match="must be an integer of at least"):
+    with pytest.raises(InputError, match=r"must be an integer (from 1 to 100000|of at least 0), got"):
         check_world(CorridorEnv, **options)
 
 
@@ -307,6 +312,9 @@ def test_trajectories_depend_on_the_seed_only() -> None:
         ),
         (after(lambda _, info: info["action_mask"].__imul__(2)), "action_mask: must be 1 exactly"),
         (after(lambda _, info: info["action_mask"].put(0, 0)), "action_mask: must be 1 exactly"),
+        (masking(lambda masks: masks.astype(np.int8)), r"action_mask: action_masks\(\) must be array.* got"),
+        (masking(lambda masks: ~masks), r"action_mask: action_masks\(\) must be"),
+        (masking(lambda masks: masks[:1]), r"action_mask: action_masks\(\) must be"),
         (after(lambda _, info: info.pop("scene")), "scene: .* must be Scenes of length 1, got None"),
         (after(lambda _, info: info.update(scene=info["scene"].take([0, 0]))), "scene: .* length 1"),
         (
@@ -337,6 +345,40 @@ def test_trajectories_depend_on_the_seed_only() -> None:
 def test_violations_name_the_clause(patches: dict[str, Patch], message: str) -> None:
     with pytest.raises(AssertionError, match=f"^{message}"):
         check_world(corridor(**patches))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (lambda action: type(action) is int, "step must take 0 like an integer: odd"),
+        (
+            lambda action: isinstance(action, np.ndarray),
+            r"step must take array\(0\) like an integer: odd",
+        ),
+    ],
+)
+def test_integers_of_any_kind_are_actions(wrong: Patch, message: str) -> None:
+    class Picky(Picking):
+        checks = 0
+
+        def step(self, action: np.int64) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+            if wrong(action):
+                raise TypeError("odd")
+            return super().step(action)
+
+    with pytest.raises(AssertionError, match=f"^action: {message}"):
+        check_world(Picky)
+
+
+def test_integers_of_any_kind_are_the_same_action() -> None:
+    def careless(action: Any) -> Any:
+        return 1 - action if isinstance(action, np.ndarray) else action
+
+    def make() -> gymnasium.Env[Any, Any]:
+        return TransformAction(CorridorEnv(), careless, spaces.Discrete(2))
+
+    with pytest.raises(AssertionError, match=r"^action: array\(0\) must do the same as the integer 0"):
+        check_world(make)
 
 
 OWN_SOURCE = np.random.default_rng(0)

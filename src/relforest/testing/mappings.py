@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import permutations
-from typing import Final, Protocol, final
+from typing import Final, Protocol, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relforest.mappings import Operation
 from relforest.scenes import Attribute, Schema
+from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.testing.moments import violation
 
@@ -30,6 +31,7 @@ _INVARIANT: Final = {
 }
 
 
+@runtime_checkable
 class CheckableMapping(Protocol):
     """What a mapping function must have; see `relforest.mappings.Mapping`."""
 
@@ -109,7 +111,7 @@ def check_mapping(mapping: CheckableMapping, *, seed: int = 0) -> None:
     Raises
     ------
     InputError
-        If the seed is negative or no integer.
+        If ``mapping`` is something else, or the seed is negative or no integer.
     AssertionError
         If a clause is violated; the message begins with the name of the clause.
 
@@ -135,6 +137,8 @@ def check_mapping(mapping: CheckableMapping, *, seed: int = 0) -> None:
     >>> check_mapping(Mapping("scaled_reframe", Attribute("location", 2)))
     """
     rng = np.random.default_rng(at_least("seed", seed, 0))
+    if isinstance(mapping, type) or not isinstance(mapping, CheckableMapping):
+        raise InputError(f'mapping must be a mapping, such as Mapping("distance", ...), got {mapping!r}')
     sample = _draw(mapping, rng)
     _check_values(sample, rng)
     _check_undefined(sample, rng)

@@ -12,6 +12,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils.env_checker import data_equivalence
+from numpy.typing import NDArray
 
 from relforest.scenes import Scenes, Schema
 from relforest.smdp import ActionType, Decision, check_decision
@@ -109,6 +110,8 @@ def check_moment(
     if not len(decision) and not moment.is_terminal:
         raise violation("decision", "there is no action in a state that is not terminal")
     _check_mask(moment.info.get("action_mask"), decision, env.action_space)
+    if callable(getattr(world, "action_masks", None)):
+        _check_masks(world.action_masks(), moment.info["action_mask"])
     _check_scene(moment.info.get("scene"), decision, schema)
     _check_observation(moment.observation, env.observation_space, decision, schema)
     if moment.outcome is not None:
@@ -152,6 +155,14 @@ def _check_mask(mask: object, decision: Decision, space: gymnasium.Space[Any]) -
         raise violation(
             "action_mask",
             f"must be 1 exactly at the indices {decision.indices.tolist()} of decision(), is {mask.tolist()}",
+        )
+
+
+def _check_masks(masks: object, mask: NDArray[np.int8]) -> None:
+    if not isinstance(masks, np.ndarray) or masks.dtype != np.bool_ or not np.array_equal(masks, mask):
+        raise violation(
+            "action_mask",
+            f'action_masks() must be {mask.astype(np.bool_)!r} like info["action_mask"], got {masks!r}',
         )
 
 

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import gymnasium
+import numpy as np
 from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
 from relforest.scenes import Schema
 from relforest.smdp import ActionType, World
 from relforest.support.errors import InputError
-from relforest.support.options import at_least
-from relforest.testing.moments import check_moment, is_finite, same_moment, violation, walk
+from relforest.support.options import at_least, between
+from relforest.support.progress import report
+from relforest.testing.moments import Moment, check_moment, is_finite, same_moment, violation, walk
+
+MOST_STEPS: Final = 100_000
+"""Moments of all steps are kept for the comparison with a second run."""
 
 MakeEnv = Callable[[], gymnasium.Env[Any, Any]]
 
@@ -28,7 +33,7 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     seed : int
         Seed of the environment and of the actions taken.
     steps : int
-        Number of steps to take, at least 1; a new episode begins wherever one ends.
+        Number of steps to take, 1 to 100 000; a new episode begins wherever one ends.
 
     Raises
     ------
@@ -49,7 +54,8 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
       attribute of the schema, a ``mask`` (slots,), and nothing else.
     - ``decision``: it suits the schema and the action types, asking twice gives the same answer, and every
       state that is not terminal offers an action.
-    - ``action_mask``: int8, 1 exactly at the indices of the decision.
+    - ``action_mask``: int8, 1 exactly at the indices of the decision; if the world has a method
+      ``action_masks``, it returns the same as an array of bool.
     - ``scene``: `Scenes` of length 1 with the schema of the world and the objects of the decision, in order,
       without the private ones.
     - ``observation``: it lies in the space; slots in the mask hold the objects in order, private ones too,
@@ -57,12 +63,14 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     - ``step``: flags are bool, the reward is finite, ``duration`` is finite and not negative,
       ``discounted_reward`` is finite if present, and equal to the reward where the discount is 1.
     - ``determinism``: the same seed and the same actions give the same trajectory.
+    - ``action``: a Python integer, a NumPy integer and a NumPy array without dimensions are the same action,
+      for learners pass all of them.
 
     Examples
     --------
     >>> check_world(lambda: gymnasium.make("relforest/Corridor-v0"))
     """
-    steps, seed = at_least("steps", steps, 1), at_least("seed", seed, 0)
+    steps, seed = between("steps", steps, 1, MOST_STEPS), at_least("seed", seed, 0)
     _check_gymnasium(_make(make_env))
     env = _make(make_env)
     schema, action_types = _check_attributes(env)
@@ -71,9 +79,29 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     for moment in walk(env, seed, steps):
         check_moment(moment, env, schema, action_types)
         moments.append(moment)
+        report("checking a world", len(moments))
     for number, again in enumerate(walk(_make(make_env), seed, steps)):
         if not same_moment(moments[number], again):
             raise violation("determinism", f"two runs with the seed {seed} differ at moment {number}")
+    _check_kinds(make_env, seed)
+
+
+def _check_kinds(make_env: MakeEnv, seed: int) -> None:
+    moments: list[Moment] = []
+    for kind in (np.int64, int, np.array):
+        env = _make(make_env)
+        world: Any = env.unwrapped
+        env.reset(seed=seed)
+        action = kind(world.decision().indices[0])
+        try:
+            observation, *outcome, info = env.step(action)
+        except Exception as error:
+            raise violation("action", f"step must take {action!r} like an integer: {error}") from error
+        reward, terminated, truncated = outcome
+        moments.append(Moment(observation, info, world.decision(), (reward, terminated, truncated)))
+        env.close()
+        if not same_moment(moments[0], moments[-1]):
+            raise violation("action", f"{action!r} must do the same as the integer {int(action)}")
 
 
 def _make(make_env: MakeEnv) -> gymnasium.Env[Any, Any]:

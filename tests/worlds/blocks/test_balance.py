@@ -84,7 +84,11 @@ def test_a_level_beam_is_undecided() -> None:
 @pytest.mark.parametrize(
     ("n", "n_weights", "message"),
     [
-        (0, (1, 4), "n must be"),
+        (0, (1, 4), "n must be an integer from 1 to 100000, got 0"),
+        (100_001, (1, 4), "n must be an integer from 1 to 100000, got 100001"),
+        (5, (1, 21), "largest of n_weights must be an integer from 1 to 20, got 21"),
+        (5, (99_999, 99_999), "smallest of n_weights must be an integer from 1 to 20"),
+        (5, (1.0, 4), "smallest of n_weights must be"),
         (5, (0, 4), "smallest of n_weights must be"),
         (5, (4, 1), "largest of n_weights must be"),
         (5, 4, r"n_weights must be a pair \(smallest, largest\), got 4"),

@@ -88,3 +88,13 @@ def test_blocks_hold_plain_numbers() -> None:
     assert block == Block(3, (1.0, 2.0), (0.0, 1.0, 0.0))
     assert type(block.id) is int
     assert type(block.half_extents[0]) is float
+
+
+@pytest.mark.parametrize("draw", [random_blocks, arch_blocks])
+def test_what_is_drawn_is_checked(draw: Any) -> None:
+    with pytest.raises(InputError, match="n must be an integer from 0 to 100000, got 100001"):
+        draw(np.random.default_rng(0), 100_001)
+    with pytest.raises(InputError, match=r"rng must be a numpy Generator, such as .*default_rng\(0\), got 0"):
+        draw(0, 3)
+    with pytest.raises(InputError, match="id of a block must be an integer from 0 to 4611686018427387904"):
+        draw(np.random.default_rng(0), 3, first_id=2**63)

@@ -100,7 +100,8 @@ def test_angles_of_dropped_blocks_are_those_of_squares() -> None:
 @pytest.mark.parametrize(
     ("n", "n_interferers", "message"),
     [
-        (-1, (0, 3), "n must be"),
+        (-1, (0, 3), "n must be an integer from 1 to 100000, got -1"),
+        (5, (0, 21), "largest of n_interferers must be an integer from 0 to 20, got 21"),
         (5, (-1, 3), "smallest of n_interferers must be"),
         (5, (3, 2), "largest of n_interferers must be"),
         (5, 3, r"n_interferers must be a pair \(smallest, largest\)"),

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,8 +10,10 @@ import pytest
 
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
+from relforest.worlds import environment_id
 from relforest.worlds.blocks.arch_policies import CarefulPolicy, TrainerPolicy
 from relforest.worlds.blocks.color_policy import ColorPolicy
+from relforest.worlds.blocks.env import arch_env
 from relforest.worlds.blocks.moment import Watcher
 from relforest.worlds.blocks.policies import POLICIES, Policy, RandomPolicy, make_policy
 from relforest.worlds.blocks.state import BlocksState
@@ -61,7 +64,7 @@ def test_the_random_policy_chooses_types_by_their_weights_and_objects_uniformly(
 def test_the_random_policy_leaves_out_what_is_not_available() -> None:
     world = towers(row(0.0))
     assert {chosen(RandomPolicy((0.75, 0.25)), world, seed)[0] for seed in range(20)} == {"rotate"}
-    with pytest.raises(InputError, match="above 0"):
+    with pytest.raises(InputError, match="a weight must be a finite number above 0"):
         RandomPolicy((1.0, 0.0))
 
 
@@ -220,3 +223,30 @@ def test_a_wrapped_environment_is_told_from_the_world_itself() -> None:
     wrapped: Any = gymnasium.make("relforest/HighTowers-v0")
     with pytest.raises(InputError, match=r"not OrderEnforcing: pass env\.unwrapped"):
         make_policy("random", wrapped)
+
+
+@pytest.mark.parametrize("weights", [(0.5, math.nan), (math.inf, 1.0), (0.5, "1"), (True, 0.5)])
+def test_weights_are_finite_numbers(weights: Any) -> None:
+    with pytest.raises(InputError, match="a weight must be a finite number above 0, got"):
+        RandomPolicy(weights)
+
+
+def test_there_is_a_weight_for_each_action_type() -> None:
+    env = arch_env()
+    env.reset(seed=0)
+    with pytest.raises(InputError, match="weights must have one number per action type, got 2"):
+        RandomPolicy((0.5, 0.5)).choose(env.decision(), np.random.default_rng(0))
+    weights: Any = 0.5
+    with pytest.raises(InputError, match=r"weights must be a tuple .* got 0\.5"):
+        RandomPolicy(weights)
+
+
+@pytest.mark.parametrize("task", list(POLICIES))
+def test_no_policy_chooses_when_there_is_nothing_to_choose(task: str) -> None:
+    env: Any = gymnasium.make(environment_id(task)).unwrapped
+    env.reset(seed=0)
+    over = env.decision()
+    none = Decision(over.objects, over.types[:0], over.arguments[:0], over.indices[:0], over.n_private)
+    for name in POLICIES[task]:
+        with pytest.raises(InputError, match="offers no action: the episode has ended, call reset"):
+            make_policy(name, env).choose(none, np.random.default_rng(0))

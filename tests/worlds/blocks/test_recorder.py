@@ -1,12 +1,14 @@
 from __future__ import annotations
 
-from typing import final
+from typing import Any, final
 
+import gymnasium
 import numpy as np
 import pytest
 
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
+from relforest.support.progress import Stage, listening
 from relforest.support.rng import generator, seed_sequence, stream
 from relforest.worlds.blocks.blocks import Block
 from relforest.worlds.blocks.env import BlocksEnv, arch_env, color_grouping_env, high_towers_env
@@ -177,5 +179,31 @@ def test_an_empty_table_has_no_marks() -> None:
 
 def test_no_episodes_are_refused() -> None:
     env = high_towers_env(n_blocks=2)
-    with pytest.raises(InputError, match="episodes must be an integer of at least 1, got 0"):
-        record_episodes(env, make_policy("random", env), 0)
+    for episodes in (0, 1001, True, 2.0):
+        with pytest.raises(InputError, match=f"episodes must be an integer from 1 to 1000, got {episodes}"):
+            record_episodes(env, make_policy("random", env), episodes)  # type: ignore[arg-type]
+
+
+def test_recordings_that_do_not_fit_into_memory_are_refused_at_once() -> None:
+    env = high_towers_env(n_blocks=100, max_actions=1000)
+    with pytest.raises(InputError, match=r"at most 200000 to .*, got 3 x 1000 x 100: choose fewer"):
+        record_episodes(env, make_policy("random", env), 3)
+
+
+def test_what_is_recorded_is_checked() -> None:
+    env = high_towers_env(n_blocks=2)
+    policy = make_policy("random", env)
+    wrapped: Any = gymnasium.make("relforest/HighTowers-v0")
+    with pytest.raises(InputError, match=r"env must be a task .* itself, got .*: pass env.unwrapped"):
+        record_episodes(wrapped, policy)
+    named: Any = "random"
+    with pytest.raises(InputError, match=r"policy must have choose\(\) and is_finished\(\), got 'random'"):
+        record_episodes(env, named)
+
+
+def test_progress_is_reported() -> None:
+    env = high_towers_env(n_blocks=2, max_actions=1)
+    stages: list[Stage] = []
+    with listening(stages.append):
+        record_episodes(env, make_policy("random", env), 2)
+    assert stages == [Stage("playing episodes", 0, 2), Stage("playing episodes", 1, 2)]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from relforest.smdp import Decision
+from relforest.support.errors import InputError
 from relforest.worlds.corridor import LEFT, RIGHT, CorridorState, OptimalPolicy, RandomPolicy
 from relforest.worlds.corridor.env import CorridorEnv
 from relforest.worlds.corridor.scene import decision
@@ -46,3 +47,11 @@ def test_the_best_policy_earns_its_reward_in_the_environment() -> None:
         env.reset()
     error = np.std(totals, ddof=1) / np.sqrt(len(totals))
     assert np.mean(totals) == pytest.approx(8.69, abs=4 * error)
+
+
+@pytest.mark.parametrize("policy", [OptimalPolicy(), RandomPolicy()])
+def test_no_policy_chooses_when_there_is_nothing_to_choose(policy: OptimalPolicy | RandomPolicy) -> None:
+    whole = decision(CorridorState(0.2))
+    none = Decision(whole.objects, whole.types[:0], whole.arguments[:0], whole.indices[:0])
+    with pytest.raises(InputError, match="the decision offers no action"):
+        policy.choose(none, np.random.default_rng(0))

@@ -4,11 +4,13 @@ import math
 import os
 from typing import Any
 
+import joblib
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
+from relforest.support.progress import Stage, listening
 from relforest.worlds.keepaway.durations import LANES, episode_durations, play_episodes
 from relforest.worlds.keepaway.events import (
     DASHES,
@@ -133,7 +135,8 @@ def test_episodes_are_cut_off_at_the_cap() -> None:
         ({"keepers": 1}, "keepers must be an integer from 2 to 32"),
         ({"takers": 0}, "takers must be an integer from 1 to 32"),
         ({"size": math.nan}, "size must be"),
-        ({"episodes": 0}, "episodes must be an integer of at least 1, got 0"),
+        ({"episodes": 0}, "episodes must be an integer from 1 to 1000000, got 0"),
+        ({"episodes": 1_000_001}, "episodes must be an integer from 1 to 1000000, got 1000001"),
         ({"episodes": True}, "episodes must be"),
         ({"seed": -1}, "random_state must be"),
         ({"n_jobs": 0}, "n_jobs must be"),
@@ -148,3 +151,31 @@ def test_bad_arguments_are_named(arguments: dict[str, Any], message: str) -> Non
 def test_actions_that_do_not_exist_are_refused(action: Any) -> None:
     with pytest.raises(InputError, match=r"the policy must return an integer from 0 \(hold\) to 2"):
         episode_durations(lambda *_: action, episodes=1)
+
+
+def test_options_of_another_kind_are_refused() -> None:
+    options: Any = {"keepers": 4}
+    with pytest.raises(InputError, match=r"options must be KeepawayOptions, .* got \{'keepers': 4\}"):
+        play_episodes("hold", options)
+
+
+def test_an_episode_without_end_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("relforest.worlds.keepaway.durations.MOST_CYCLES", 10)
+    with pytest.raises(InputError, match="an episode goes on after 10 cycles: choose a max_cycles to end it"):
+        episode_durations(lambda *_: 0, episodes=1)
+
+
+@pytest.mark.parametrize("n_jobs", [1, 2])
+def test_every_finished_episode_is_reported(n_jobs: int) -> None:
+    stages: list[Stage] = []
+    with listening(stages.append):
+        play_episodes("hold", KeepawayOptions(max_cycles=6), 5, n_jobs=n_jobs)
+    assert stages == [Stage("playing episodes", done, 5) for done in range(1, 6)]
+
+
+def test_other_processes_report_to_nobody() -> None:
+    stages: list[Stage] = []
+    with listening(stages.append), joblib.parallel_config("loky", inner_max_num_threads=1):
+        played = play_episodes("hold", KeepawayOptions(max_cycles=6), 2, n_jobs=2)
+    assert played.durations.tolist() == [6, 6]
+    assert stages == []

@@ -83,10 +83,10 @@ def test_decision_variables_have_the_holder_as_k1() -> None:
 
 
 def test_nobody_decides_at_the_end() -> None:
-    with pytest.raises(InputError, match="no keeper has the ball: the episode has ended"):
-        HandCodedPolicy().choose(
-            decision(objects(3, 2), NOBODY, np.zeros(2, dtype=np.int64)), np.random.default_rng(0)
-        )
+    over = decision(objects(3, 2), NOBODY, np.zeros(2, dtype=np.int64))
+    for policy in (HandCodedPolicy(), HoldPolicy(), RandomPolicy()):
+        with pytest.raises(InputError, match="offers no action: the episode has ended"):
+            policy.choose(over, np.random.default_rng(0))
 
 
 def test_the_hold_policy_holds() -> None:

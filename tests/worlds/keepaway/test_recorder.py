@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
+from relforest.support.progress import Stage, listening
 from relforest.worlds.keepaway.durations import Policy, play_episodes
 from relforest.worlds.keepaway.layout import BODY, CAPPED, KICK, NONE, OUT, TAKEN, VX, VY, X, Y
 from relforest.worlds.keepaway.options import KeepawayOptions
@@ -130,7 +131,9 @@ def test_values_of_ones_own_are_kept() -> None:
     ("policy", "options", "message"),
     [
         ("best", {}, "policy must be one of 'random', 'hold', 'hand', got 'best'"),
-        ("hold", {"episodes": 0}, "episodes must be an integer of at least 1"),
+        ("hold", {"episodes": 0}, "episodes must be an integer from 1 to 1000, got 0"),
+        ("hold", {"episodes": 1001}, "episodes must be an integer from 1 to 1000, got 1001"),
+        ("hold", {"options": 5}, "options must be KeepawayOptions, such as .*, got 5"),
         ("hold", {"seed": -1}, "integer of at least 0, .* got -1"),
         ("hold", {"values": lambda _: [1.0, 2.0]}, r"one number for each of 3 actions, got \(2,\)"),
         (lambda _, __: 3, {}, r"an integer from 0 \(hold\) to 2 .*, got 3"),
@@ -147,3 +150,17 @@ def test_values_may_be_arrays_of_integers() -> None:
     values: Values = lambda _: np.array([1, 2, 3])  # noqa: E731 - typed as the parameter is
 
     assert record_episodes("hold", seed=2, values=values)[0].decisions.values[0].tolist() == [1.0, 2.0, 3.0]
+
+
+def test_recordings_that_do_not_fit_into_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("relforest.worlds.keepaway.recorder.MOST_RECORDED", 20)
+    assert record_episodes("hold", KeepawayOptions(max_cycles=10), 2)
+    with pytest.raises(InputError, match=r"longer than the 20 cycles .* choose fewer, or a smaller"):
+        record_episodes("hold", KeepawayOptions(max_cycles=10), 3)
+
+
+def test_progress_is_reported() -> None:
+    stages: list[Stage] = []
+    with listening(stages.append):
+        record_episodes("hold", KeepawayOptions(max_cycles=5), 2)
+    assert stages == [Stage("playing episodes", 0, 2), Stage("playing episodes", 1, 2)]

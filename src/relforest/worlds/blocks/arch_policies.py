@@ -72,6 +72,7 @@ class CarefulPolicy:
         InputError
             If `decision` does not offer the move.
         """
+        decision.check_offers()
         state = self.world.state
         plan = arch_plan(state)
         if plan is None or find_arch(state) is not None:
@@ -116,6 +117,7 @@ class TrainerPolicy:
         InputError
             If `decision` does not offer the move.
         """
+        decision.check_offers()
         state = self.world.state
         plan = arch_plan(state)
         if rng.random() < EXPLORATION:

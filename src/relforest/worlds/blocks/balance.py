@@ -41,9 +41,9 @@ def balance_scale_scenes(
     ----------
     rng : numpy.random.Generator
     n : int
-        Number of scenes, at least 1.
+        Number of scenes, 1 to 100 000.
     n_weights : pair of int
-        Smallest and largest number of weights, at least 1; the source has 1 to 4, and 5 to 6 in large scenes.
+        Smallest and largest number of weights, 1 to 20; the source has 1 to 4, and 5 to 6 in large scenes.
 
     Returns
     -------

@@ -11,7 +11,8 @@ from typing import Final, final
 import numpy as np
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range
+from relforest.support.options import at_least, between, in_range
+from relforest.worlds.arguments import checked_generator
 
 SMALLEST_HALF: Final = 0.5
 LARGEST_HALF: Final = 5.0
@@ -19,6 +20,12 @@ LARGEST_HALF: Final = 5.0
 
 ARCH_HALF_EXTENTS: Final = (4.0, 2.0)
 """Half sides of the blocks of the arch task: 8 long, 4 high (Palmer (2015), section 7.4.3)."""
+
+MOST_DRAWN: Final = 100_000
+"""Blocks that are drawn at once."""
+
+LARGEST_ID: Final = 2**62
+"""Ids are kept as 64-bit integers."""
 
 
 @final
@@ -47,7 +54,7 @@ class Block:
     color: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "id", at_least("id of a block", self.id, 0))
+        object.__setattr__(self, "id", between("id of a block", self.id, 0, LARGEST_ID))
         halves = [
             in_range("half extent", half, 0, math.inf, open_low=True, open_high=True)
             for half in _numbers("half_extents", self.half_extents, 2)
@@ -72,7 +79,7 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
     rng : numpy.random.Generator
         Consumed by five uniform numbers a block.
     n : int
-        Number of blocks, 0 or more.
+        Number of blocks, 0 to 100 000.
     first_id : int
         The blocks are numbered from here; `BlocksSimulation.next_id` is never used before.
 
@@ -82,10 +89,10 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
     saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale ones are
     frequent.
     """
-    start = at_least("first_id", first_id, 0)
+    rng, start = checked_generator(rng), at_least("first_id", first_id, 0)
     return tuple(
         Block(start + i, (_random_half(rng), _random_half(rng)), _random_color(rng))
-        for i in range(at_least("n", n, 0))
+        for i in range(between("n", n, 0, MOST_DRAWN))
     )
 
 
@@ -97,12 +104,13 @@ def arch_blocks(rng: np.random.Generator, n: int = 3, *, first_id: int = 0) -> t
     rng : numpy.random.Generator
         Consumed by three uniform numbers a block.
     n : int
-        Number of blocks, 0 or more.
+        Number of blocks, 0 to 100 000.
     first_id : int
         The blocks are numbered from here.
     """
-    start = at_least("first_id", first_id, 0)
-    return tuple(Block(start + i, ARCH_HALF_EXTENTS, _random_color(rng)) for i in range(at_least("n", n, 0)))
+    rng, start = checked_generator(rng), at_least("first_id", first_id, 0)
+    count = between("n", n, 0, MOST_DRAWN)
+    return tuple(Block(start + i, ARCH_HALF_EXTENTS, _random_color(rng)) for i in range(count))
 
 
 def _random_half(rng: np.random.Generator) -> float:

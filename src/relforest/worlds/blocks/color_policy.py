@@ -43,6 +43,7 @@ class ColorPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
         """Return the position of the next action in `decision`; `rng` is not consumed."""
+        decision.check_offers()
         position = _improvement(decision)
         return _least_change(decision) if position is None else position
 

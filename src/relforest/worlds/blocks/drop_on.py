@@ -41,10 +41,10 @@ def drop_on_scenes(
     ----------
     rng : numpy.random.Generator
     n : int
-        Number of scenes, at least 1.
+        Number of scenes, 1 to 100 000.
     n_interferers : pair of int
-        Smallest and largest number of blocks dropped before; the source has 0 to 3, and 4 to 5 in large
-        scenes. Those that fall off the table are not in the scene.
+        Smallest and largest number of blocks dropped before, 0 to 20; the source has 0 to 3, and 4 to 5 in
+        large scenes. Those that fall off the table are not in the scene.
 
     Returns
     -------

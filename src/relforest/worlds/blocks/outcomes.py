@@ -14,9 +14,17 @@ from numpy.typing import NDArray
 
 from relforest.scenes import Scenes, Schema
 from relforest.support.errors import InputError
-from relforest.support.options import at_least
+from relforest.support.options import between
+from relforest.support.progress import report
+from relforest.worlds.arguments import checked_generator
 from relforest.worlds.blocks.blocks import arch_blocks
 from relforest.worlds.blocks.scene import SCHEMA
+
+MOST_SCENES: Final = 100_000
+"""Scenes that are drawn at once, which takes minutes."""
+
+MOST_BLOCKS: Final = 20
+"""Blocks of a scene, apart from those that all scenes have: with many more, hardly any beam tips."""
 
 _MOST_TRIALS: Final = 100
 
@@ -47,13 +55,13 @@ def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, in
     Raises
     ------
     InputError
-        If these are no two integers, or not ``least <= smallest <= largest``.
+        If these are no two integers, or not ``least <= smallest <= largest <= MOST_BLOCKS``.
     """
     values = tuple(limits) if isinstance(limits, Iterable) else ()
     if len(values) != 2:
         raise InputError(f"{name} must be a pair (smallest, largest), got {limits!r}")
-    smallest = at_least(f"the smallest of {name}", values[0], least)
-    return smallest, at_least(f"the largest of {name}", values[1], smallest)
+    smallest = between(f"the smallest of {name}", values[0], least, MOST_BLOCKS)
+    return smallest, between(f"the largest of {name}", values[1], smallest, MOST_BLOCKS)
 
 
 def random_colors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
@@ -73,7 +81,7 @@ def decided_scenes(
     ----------
     rng : numpy.random.Generator
     n : int
-        Number of scenes, at least 1.
+        Number of scenes, 1 to 100 000.
     draw : callable
         Makes one trial.
     parameters : tuple of str
@@ -87,9 +95,9 @@ def decided_scenes(
     Raises
     ------
     InputError
-        If ``n`` is no positive integer, or hardly any trial is decided.
+        If ``n`` is out of its range, or hardly any trial is decided.
     """
-    n = at_least("n", n, 1)
+    rng, n = checked_generator(rng), between("n", n, 1, MOST_SCENES)
     trials: list[Trial] = []
     labels: list[bool] = []
     for _ in range(_MOST_TRIALS * n):
@@ -97,6 +105,7 @@ def decided_scenes(
         if trial.outcome is not None:
             trials.append(trial)
             labels.append(trial.outcome)
+            report("simulating scenes", len(trials), n)
         if len(trials) == n:
             return _batch(trials, parameters), np.array(labels)
     raise InputError(f"only {len(trials)} of {_MOST_TRIALS * n} scenes were decided: choose other numbers")

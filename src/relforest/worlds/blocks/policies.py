@@ -6,16 +6,17 @@ decision. Those that need to know more than the objects of the decision hold the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Protocol, final
+from typing import Final, Protocol, final, runtime_checkable
 
 import numpy as np
 
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
-from relforest.support.options import one_of
+from relforest.support.options import in_range, one_of
 from relforest.worlds.blocks.arch_policies import CarefulPolicy, TrainerPolicy
 from relforest.worlds.blocks.color_policy import ColorPolicy
 from relforest.worlds.blocks.state import BlocksState
@@ -37,6 +38,7 @@ class BlocksWorld(Protocol):
         ...
 
 
+@runtime_checkable
 class Policy(Protocol):
     """Chooses actions, and says when it would rather do nothing."""
 
@@ -67,7 +69,7 @@ class RandomPolicy:
     Raises
     ------
     InputError
-        If a weight is not above 0.
+        If a weight is not a finite number above 0, or there are fewer than action types.
 
     References
     ----------
@@ -77,12 +79,17 @@ class RandomPolicy:
     weights: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if not all(weight > 0.0 for weight in self.weights):
-            raise InputError(f"weights of action types must be above 0, got {self.weights}")
+        if not isinstance(self.weights, tuple):
+            raise InputError(f"weights must be a tuple with one number per action type, got {self.weights!r}")
+        for weight in self.weights:
+            in_range("a weight", weight, 0.0, math.inf, open_low=True, open_high=True)
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a random position; consumes one number and one integer from `rng`."""
+        decision.check_offers()
         types = np.flatnonzero(np.bincount(decision.types))
+        if types[-1] >= len(self.weights):
+            raise InputError(f"weights must have one number per action type, got {len(self.weights)}")
         weights = np.array(self.weights)[types]
         # What `rng.choice` does, without its checks.
         shares = np.cumsum(weights / weights.sum())

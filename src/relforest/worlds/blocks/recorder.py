@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
-from relforest.support.options import at_least
+from relforest.support.errors import InputError
+from relforest.support.options import between
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 from relforest.worlds.blocks.arch import find_arch
 from relforest.worlds.blocks.command import Command
@@ -19,6 +22,12 @@ from relforest.worlds.blocks.simulation import BlocksSimulation, Frame
 from relforest.worlds.blocks.stacks import stacks
 from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import MOVE, Task
+
+MOST_EPISODES: Final = 1000
+"""Episodes that are recorded at once."""
+
+MOST_MOVES: Final = 200_000
+"""Blocks times actions times episodes: every action keeps about 5 kB a block, so this is 1 GB."""
 
 
 def record_episodes(
@@ -33,7 +42,7 @@ def record_episodes(
         For policies by name see `relforest.worlds.blocks.policies.make_policy`. An episode is over, too, when
         the policy has nothing left to do.
     episodes : int
-        How many.
+        How many, 1 to 1000.
     seed : int, numpy.random.SeedSequence or Generator
         The same seed gives the same episodes. Each has streams of its own, one for the world and one for the
         policy, as in `relforest.rl.rollout`.
@@ -45,18 +54,28 @@ def record_episodes(
     Raises
     ------
     InputError
-        If ``episodes`` is not at least 1.
+        If ``env`` or ``policy`` is something else, ``episodes`` is out of its range, or episodes, actions and
+        blocks multiply to more than `MOST_MOVES`.
     """
-    root = seed_sequence(seed)
-    return tuple(
-        _record(
-            env,
-            policy,
-            int(stream(root, episode, 0).generate_state(1)[0]),
-            generator(stream(root, episode, 1)),
+    if not isinstance(env, BlocksEnv):
+        raise InputError(f"env must be a task of the blocks world itself, got {env!r}: pass env.unwrapped")
+    if not isinstance(policy, Policy):
+        raise InputError(
+            f'policy must have choose() and is_finished(), got {policy!r}: use make_policy("random", env)'
         )
-        for episode in range(at_least("episodes", episodes, 1))
-    )
+    episodes, root = between("episodes", episodes, 1, MOST_EPISODES), seed_sequence(seed)
+    size = episodes * env.max_actions * env.n_blocks
+    if size > MOST_MOVES:
+        raise InputError(
+            f"episodes x max_actions x n_blocks must be at most {MOST_MOVES} to fit into memory, got "
+            f"{episodes} x {env.max_actions} x {env.n_blocks}: choose fewer"
+        )
+    recordings = []
+    for episode in range(episodes):
+        report("playing episodes", episode, episodes)
+        rng = generator(stream(root, episode, 1))
+        recordings.append(_record(env, policy, int(stream(root, episode, 0).generate_state(1)[0]), rng))
+    return tuple(recordings)
 
 
 def marks_of(state: BlocksState, task: Task) -> tuple[Mark, ...]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
+from relforest.worlds.arguments import checked_generator
 from relforest.worlds.blocks.blocks import Block
 from relforest.worlds.blocks.engine import TABLE_HALF_WIDTH, Engine
 from relforest.worlds.blocks.grasp import springs
@@ -63,7 +64,7 @@ class BlocksSimulation:
     """
 
     def __init__(self, rng: np.random.Generator, *, table_half_width: float = TABLE_HALF_WIDTH) -> None:
-        self.rng = rng
+        self.rng = checked_generator(rng)
         self.frames: list[Frame] | None = None
         self._frame_every = 4
         self._table_half_width = table_half_width

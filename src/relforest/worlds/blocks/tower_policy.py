@@ -51,6 +51,7 @@ class TowerPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
         """Return the position of the next put in `decision`; `rng` is not consumed."""
+        decision.check_offers()
         if decision.n_objects < 2:
             return 0
         box, area = bounds(decision.objects), extents(decision.objects).prod(axis=1)

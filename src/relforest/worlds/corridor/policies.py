@@ -31,6 +31,7 @@ class OptimalPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
         """Return the position of the best action in `decision`; `rng` is not consumed."""
+        decision.check_offers()
         best = LEFT if decision.objects[0, 0] < MIDDLE else RIGHT
         return int(np.flatnonzero(decision.types == best)[0])
 
@@ -45,4 +46,5 @@ class RandomPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a uniform position in `decision`; consumes one integer from `rng`."""
+        decision.check_offers()
         return int(rng.integers(len(decision)))

@@ -9,15 +9,19 @@ sequences are played at the same time.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextvars import copy_context
 from dataclasses import dataclass
+from threading import Lock
 from types import MappingProxyType
 from typing import Final, SupportsIndex, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.support.options import at_least, one_of
+from relforest.support.errors import InputError
+from relforest.support.options import between, one_of
 from relforest.support.parallel import run_tasks
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 from relforest.worlds.keepaway.advance import (
     ASK,
@@ -32,7 +36,7 @@ from relforest.worlds.keepaway.advance import (
 from relforest.worlds.keepaway.events import N_EVENTS, Tally, forget_events, new_tally
 from relforest.worlds.keepaway.games import Games, new_games
 from relforest.worlds.keepaway.layout import END, TIME, Setup
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.options import MOST_CYCLES, KeepawayOptions, checked_options
 from relforest.worlds.keepaway.policies import checked_action
 from relforest.worlds.keepaway.referee import place
 from relforest.worlds.keepaway.variables import n_variables, state_variables
@@ -40,6 +44,9 @@ from relforest.worlds.keepaway.views import Work, new_work
 
 LANES: Final = 64
 """How many sequences of episodes there are."""
+
+MOST_EPISODES: Final = 1_000_000
+"""Episodes that are played at once."""
 
 POLICIES: Final[Mapping[str, int]] = MappingProxyType({"random": RANDOM, "hold": HOLD, "hand": HAND})
 """Name of a policy that is built into the simulator -> its code."""
@@ -97,7 +104,7 @@ def episode_durations(
     keepers, takers, size
         The rules, see `KeepawayOptions`; `play_episodes` takes all of them.
     episodes : int
-        How many.
+        How many, 1 to 1 000 000.
     seed : int, SeedSequence, Generator or None
         The same seed gives the same durations, whatever ``n_jobs``.
     n_jobs : int
@@ -155,11 +162,11 @@ def play_episodes(
     """
     if not callable(policy):
         one_of("policy", policy, tuple(POLICIES))
-    setup = (options or KeepawayOptions()).setup()
-    lanes = min(LANES, at_least("episodes", episodes, 1))
-    root = seed_sequence(seed)
+    setup, episodes = checked_options(options), between("episodes", episodes, 1, MOST_EPISODES)
+    lanes = min(LANES, episodes)
+    root, finished = seed_sequence(seed), _Finished(episodes)
     share, rest = divmod(episodes, lanes)
-    tasks = [(policy, setup, share + (lane < rest), stream(root, lane)) for lane in range(lanes)]
+    tasks = [(policy, setup, share + (lane < rest), stream(root, lane), finished) for lane in range(lanes)]
     played = run_tasks(_play_lane, tasks, n_jobs=n_jobs, prefer="threads")
     durations = np.concatenate([lane.durations for lane in played])
     distances = np.sum([lane.keeper_distances * lane.durations.sum() for lane in played], axis=0)
@@ -172,7 +179,28 @@ def play_episodes(
     )
 
 
-def _play_lane(policy: Policy, setup: Setup, episodes: int, seed: np.random.SeedSequence) -> Played:
+@final
+class _Finished:
+    """Counts the episodes that all threads have finished, and reports them to the listener of the first."""
+
+    def __init__(self, total: int) -> None:
+        self._total, self._done = total, 0
+        self._lock, self._context = Lock(), copy_context()
+
+    def __reduce__(self) -> tuple[type[_Finished], tuple[int]]:
+        """Reach another process without its listeners."""
+        return _Finished, (self._total,)
+
+    def one_more(self) -> None:
+        """Report one more episode."""
+        with self._lock:
+            self._done += 1
+            self._context.run(report, "playing episodes", self._done, self._total)
+
+
+def _play_lane(
+    policy: Policy, setup: Setup, episodes: int, seed: np.random.SeedSequence, finished: _Finished
+) -> Played:
     games, work, tally = new_games(setup, [stream(seed, 0)]), new_work(setup), new_tally(setup)
     rng = generator(stream(seed, 1))
     durations, ends = np.empty(episodes, dtype=np.int64), np.empty(episodes, dtype=np.int64)
@@ -185,6 +213,7 @@ def _play_lane(policy: Policy, setup: Setup, episodes: int, seed: np.random.Seed
         durations[episode] = games.counters[0, TIME]
         ends[episode] = games.counters[0, END]
         events[episode] = tally.events
+        finished.one_more()
     return Played(durations, ends, events, tally.speeds, tally.pairs / durations.sum())
 
 
@@ -194,6 +223,8 @@ def _play_episode(
     code = ASK if callable(policy) else POLICIES[policy]
     action, actor = NO_ACTION, UNFINISHED
     while actor != NOBODY:
+        if games.counters[0, TIME] >= MOST_CYCLES:
+            raise InputError(f"an episode goes on after {MOST_CYCLES} cycles: choose a max_cycles to end it")
         actor = advance_counted(games, 0, setup, code, action, work, tally, _CYCLES)
         action = NO_ACTION
         if actor >= 0 and callable(policy):

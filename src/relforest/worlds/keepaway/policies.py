@@ -82,6 +82,7 @@ class RandomPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a uniform position in `decision`; consumes one integer from `rng`."""
+        decision.check_offers()
         return int(rng.integers(len(decision)))
 
 
@@ -92,6 +93,7 @@ class HoldPolicy:
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
         """Return the position of holding in `decision`; `rng` is not consumed."""
+        decision.check_offers()
         return int(np.flatnonzero(decision.types == HOLD_TYPE)[0])
 
 
@@ -119,8 +121,7 @@ def decision_variables(decision: Decision) -> NDArray[np.float64]:
     InputError
         If the decision offers no action, as at the end of an episode: nobody has the ball then.
     """
-    if not len(decision):
-        raise InputError("the decision offers no action, so no keeper has the ball: the episode has ended")
+    decision.check_offers()
     # There is one action for each keeper: hold, and a pass to each of the others.
     keepers = len(decision)
     variables = np.empty(n_variables(keepers, decision.n_objects - keepers))

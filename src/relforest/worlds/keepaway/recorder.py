@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol, TypeAlias, final, runtime_checkable
+from typing import Final, Protocol, TypeAlias, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, one_of
+from relforest.support.options import between, one_of
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, choose_commands
 from relforest.worlds.keepaway.durations import LANES, POLICIES, Policy
 from relforest.worlds.keepaway.games import new_games
 from relforest.worlds.keepaway.layout import END, PLAYING, TIME, Setup
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.options import KeepawayOptions, checked_options
 from relforest.worlds.keepaway.physics import execute
 from relforest.worlds.keepaway.policies import (
     CALM,
@@ -30,6 +31,12 @@ from relforest.worlds.keepaway.referee import judge, place
 from relforest.worlds.keepaway.rounding import TIE
 from relforest.worlds.keepaway.variables import by_distance, n_variables, state_variables
 from relforest.worlds.keepaway.views import new_work
+
+MOST_EPISODES: Final = 1000
+"""Episodes that are recorded at once."""
+
+MOST_RECORDED: Final = 300_000
+"""Cycles of all episodes together: more than 8 hours of play, and up to 2 GB of memory."""
 
 Values: TypeAlias = Callable[[NDArray[np.float64]], ArrayLike]
 """From the state variables of a decision to the value of each action, (keepers,), NaN = unknown."""
@@ -67,7 +74,7 @@ def record_episodes(
     ----------
     policy, options, episodes, seed
         As for `relforest.worlds.keepaway.durations.play_episodes`, which plays the same episodes faster; the
-        policy may also be a `Decider`.
+        policy may also be a `Decider`, and episodes are at most 1000.
     values : callable, optional
         What the actions of a state are worth to the policy; it changes nothing in the game. By default, the
         actions of the hand-coded policy are worth their scores, those of a `Decider` what it says, and
@@ -80,19 +87,22 @@ def record_episodes(
     Raises
     ------
     InputError
-        If an option lies outside its range, the policy returns an action that does not exist, or ``values``
-        does not return one number per action.
+        If an option lies outside its range, the policy returns an action that does not exist, ``values`` does
+        not return one number per action, or the episodes last longer than `MOST_RECORDED` together.
     """
     if not callable(policy) and not isinstance(policy, Decider):
         one_of("policy", policy, tuple(POLICIES))
-    setup = (options or KeepawayOptions()).setup()
-    lanes = min(LANES, at_least("episodes", episodes, 1))
+    setup, episodes = checked_options(options), between("episodes", episodes, 1, MOST_EPISODES)
+    lanes = min(LANES, episodes)
     root, (share, rest) = seed_sequence(seed), divmod(episodes, lanes)
-    recordings = []
+    recordings: list[Recording] = []
+    left = MOST_RECORDED
     for lane in range(lanes):
-        own = stream(root, lane)
-        recorder = _Recorder(policy, setup, values, own)
-        recordings += [recorder.record(again=number > 0) for number in range(share + (lane < rest))]
+        recorder = _Recorder(policy, setup, values, stream(root, lane))
+        for number in range(share + (lane < rest)):
+            report("playing episodes", len(recordings), episodes)
+            recordings.append(recorder.record(again=number > 0, most=left))
+            left -= recordings[-1].duration
     return tuple(recordings)
 
 
@@ -119,8 +129,8 @@ class _Recorder:
         self._games, self._work = new_games(setup, [stream(seed, 0)]), new_work(setup)
         self._rng = generator(stream(seed, 1))
 
-    def record(self, *, again: bool) -> Recording:
-        """Play one episode, after placing everybody anew if a game goes on."""
+    def record(self, *, again: bool, most: int) -> Recording:
+        """Play one episode of at most so many cycles, after placing everybody anew if a game goes on."""
         games, setup = self._games, self._setup
         if again:
             place(games, 0, setup)
@@ -138,6 +148,11 @@ class _Recorder:
                 orders.append(self._order(actor))
                 worths.append(worth)
                 continue
+            if len(commands) == most:
+                raise InputError(
+                    f"the episodes last longer than the {MOST_RECORDED} cycles that can be recorded: "
+                    "choose fewer, or a smaller max_cycles"
+                )
             answer = NO_ACTION
             commands.append(games.commands[0].copy())
             execute(games, 0, setup)
