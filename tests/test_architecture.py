@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,7 +19,7 @@ LONGEST_MODULE = 500
 LONGEST_FUNCTION = 80
 MOST_PARAMETERS = 8
 VAGUE_NAMES = {"base_utils", "common", "core", "helper", "helpers", "misc", "util", "utils"}
-MAY_OPEN_FILES = {"support/files.py", "support/locks.py"}
+MAY_OPEN_FILES = {"cli/streams.py", "support/files.py", "support/locks.py"}
 MAY_PRINT = {"cli", "experiments"}
 OPENING = {"fdopen", "mkstemp", "open", "read_bytes", "read_text", "write_bytes", "write_text"}
 UNSAFE_MODULES = {"cloudpickle", "dill", "marshal", "pickle", "shelve"}
@@ -77,6 +77,10 @@ def option(call: ast.expr, name: str) -> str | None:
     return next((ast.unparse(keyword.value) for keyword in keywords if keyword.arg == name), None)
 
 
+def door(folder: Path) -> str:
+    return (folder / "__init__.py").relative_to(SOURCE).as_posix()
+
+
 def test_modules_are_short() -> None:
     lengths = {name: len(text.splitlines()) for name, text in TEXTS.items()}
 
@@ -92,17 +96,39 @@ def test_modules_say_what_they_are_for() -> None:
     assert [name for name, tree in TREES.items() if not ast.get_docstring(tree)] == []
 
 
-def test_front_doors_hold_only_purpose_imports_and_names() -> None:
-    allowed = re.compile(r"from |import |__all__ = |__version__ = |(gymnasium\.)?register\(")
+def test_front_doors_hold_only_their_purpose_and_load_names_on_first_use() -> None:
+    allowed = {
+        "from __future__ import annotations",
+        "from relforest.support.front_door import attach",
+        "__getattr__, __dir__, __all__ = attach(__name__, __file__)",
+    }
+    root = {"from relforest.worlds.registration import register_with_gymnasium", "register_with_gymnasium()"}
     extra = [
-        (name, ast.unparse(node))
+        (name, line)
         for name, tree in TREES.items()
         if name.endswith("__init__.py")
-        for node in tree.body[1:]
-        if not allowed.match(ast.unparse(node))
+        for line in map(ast.unparse, tree.body[1:])
+        if line not in allowed | (root if name == "__init__.py" else set())
+        if not line.startswith("__version__ = ")
     ]
 
     assert extra == []
+
+
+def test_stubs_of_front_doors_hold_only_the_names_of_their_own_package() -> None:
+    stubs = {path.parent: ast.parse(path.read_text("ascii")) for path in SOURCE.rglob("*.pyi")}
+
+    assert [path.name for path in SOURCE.rglob("*.pyi") if path.name != "__init__.pyi"] == []
+    assert {folder for folder in stubs if "attach(" in TEXTS[door(folder)]} == set(stubs)
+    for folder, tree in stubs.items():
+        imports = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+        package = import_module(".".join(["relforest", *folder.relative_to(SOURCE).parts]))
+        listed = next(node.value for node in tree.body if isinstance(node, ast.Assign))
+
+        assert all(node.level == 1 for node in imports), folder
+        names = sorted(alias.name for node in imports for alias in node.names)
+        assert sorted(ast.literal_eval(listed)) == names == sorted(package.__all__), folder
+        assert all(hasattr(package, name) for name in names), folder
 
 
 def test_functions_are_short() -> None:

@@ -6,23 +6,11 @@ points) or `SMRFRPI` (a policy for a Gymnasium world). Importing the package reg
 
 from __future__ import annotations
 
-from relforest import metrics
-from relforest.mil import CovAggClassifier
-from relforest.rl import SMRFRPI
-from relforest.scenes import Attribute, Scenes, Schema
-from relforest.trees import SMRFTreeClassifier, Tree
-from relforest.worlds import ENVIRONMENT_IDS
+from relforest.support.front_door import attach
+from relforest.worlds.registration import register_with_gymnasium
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "ENVIRONMENT_IDS",
-    "SMRFRPI",
-    "Attribute",
-    "CovAggClassifier",
-    "SMRFTreeClassifier",
-    "Scenes",
-    "Schema",
-    "Tree",
-    "metrics",
-]
+register_with_gymnasium()
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from cli.command_lines import CommandLine
+from relforest.experiments.tasks import TASKS
 
 SMALL = ("--episodes", "4", "--test-episodes", "2", "--iterations", "1")
 
@@ -63,14 +64,13 @@ def test_runs_go_to_a_folder_of_their_task(
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (("maze",), "task must be one of 'corridor'"),
         (("corridor", "--episodes", "0"), "episodes must be an integer of at least 1, got 0"),
         (("corridor", "--iterations", "-1"), "iterations must be an integer of at least 1, got -1"),
         (("corridor", "--runs", "0"), "runs must be an integer of at least 1, got 0"),
-        (("corridor", "--test-episodes", "0"), "test_episodes must be an integer of at least 1, got 0"),
+        (("corridor", "--test-episodes", "0"), "--test-episodes must be an integer of at least 1, got 0"),
         (("corridor", "--seed", "-3"), "seed must be an integer of at least 0, got -3"),
-        (("corridor", "--jobs", "0"), "jobs must be an integer of at least 1, got 0"),
-        (("corridor", "--jobs", "-2"), "jobs must be an integer of at least 1, got -2"),
+        (("corridor", "--jobs", "0"), "--jobs must be a positive integer, or -1 for all cores, got 0"),
+        (("corridor", "--jobs", "-2"), "--jobs must be a positive integer, or -1 for all cores, got -2"),
     ],
 )
 def test_bad_options_are_one_clear_line(
@@ -78,7 +78,7 @@ def test_bad_options_are_one_clear_line(
 ) -> None:
     outcome = run("learn", *arguments, "--out", tmp_path / "run")
 
-    assert (outcome.code, outcome.out) == (1, "")
+    assert (outcome.code, outcome.out) == (2, "")
     assert complaint in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert not (tmp_path / "run").exists()
@@ -100,3 +100,11 @@ def test_runs_of_another_configuration_are_left_alone(run: CommandLine, tmp_path
 
     assert outcome.code == 1
     assert "seed (0 there, 1 here)" in outcome.err
+
+
+def test_an_unknown_task_is_refused_with_those_that_exist(run: CommandLine) -> None:
+    outcome = run("learn", "maze")
+
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "invalid choice 'maze'" in outcome.err
+    assert all(f"'{task}'" in outcome.err for task in TASKS)

@@ -105,9 +105,3 @@ def test_a_table_without_the_columns_is_refused(run: CommandLine, model: Path, t
     table = write(passes().drop_columns(["x"]), tmp_path / "other.parquet")
 
     assert "no column 'x' in the table: it has 'pass', 'player'" in run("predict", model, table).err
-
-
-def test_jobs_are_positive_or_all_cores(run: CommandLine, model: Path, table: Path) -> None:
-    outcome = run("predict", model, table, "--jobs", "-2")
-
-    assert "n_jobs must be a positive integer, or -1 for all cores, got -2" in outcome.err

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, final
 
-from rich.console import Console
 from tyro.conf import Positional, arg
 
+from relforest.cli.early_checks import unknown
 from relforest.cli.progress import note
 
 _CHOICE: Final = arg(metavar="NAME[,NAME...]", help_behavior_hint="(default: all)")
@@ -63,19 +63,22 @@ class ExperimentOptions:
 
 def experiment(options: ExperimentOptions) -> int:
     """Run a study as the options say; the exit code is 1 if a bound of a whole study is missed, else 0."""
+    from relforest.experiments.questions import QUESTIONS
+
+    if not options.name:
+        width = max(map(len, QUESTIONS))
+        for name, question in QUESTIONS.items():
+            print(f"{name:<{width}}  {question}")
+        return 0
+    if options.name not in QUESTIONS:
+        raise unknown("study", options.name, QUESTIONS)
+
+    from rich.console import Console
+
     from relforest.experiments.registry import STUDIES
     from relforest.experiments.runner import run_study
-    from relforest.support.options import at_least, one_of
 
-    at_least("seed", options.seed, 0)
-    if options.jobs != -1:
-        at_least("jobs", options.jobs, 1)
-    if not options.name:
-        width = max(map(len, STUDIES))
-        for name, listed in STUDIES.items():
-            print(f"{name:<{width}}  {listed.question}")
-        return 0
-    study = STUDIES[one_of("the study", options.name, tuple(STUDIES))]
+    study = STUDIES[options.name]
     default = f"{options.name}-smoke" if options.smoke else options.name
     out = Path("runs") / default if options.out is None else options.out
     console = Console(stderr=True)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, final
 
-from rich.console import Console
 from tyro.conf import Positional, arg
 
 from relforest.cli.progress import iteration_bar, note
@@ -63,7 +62,10 @@ class LearnOptions:
         Run folder.
     """
 
-    task: Annotated[Positional[str], arg(metavar="TASK")]
+    task: Annotated[
+        Positional[Literal["corridor", "keepaway", "keepaway-4v3", "high-towers", "color-grouping"]],
+        arg(metavar="TASK"),
+    ]
     method: Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"] = "smrf-rpi"
     episodes: int = 500
     iterations: int = 5
@@ -79,6 +81,8 @@ class LearnOptions:
 
 def learn(options: LearnOptions) -> int:
     """Learn as the options say; the exit code is 0."""
+    from rich.console import Console
+
     from relforest.experiments.run_config import RunConfig
     from relforest.experiments.run_metrics import iterations_of
     from relforest.experiments.run_pictures import pictures_of

@@ -1,26 +1,63 @@
-"""Files that commands write because they were told to."""
+"""What a command writes: data on standard output, and files, checked before any work is done for them."""
 
 from __future__ import annotations
 
 import os
+import stat
+import sys
 from pathlib import Path
 
 from relforest.support.errors import InputError
 
 
 def check_free(path: Path, *, force: bool) -> None:
-    """Check that an output file may be written, before any work is done for it.
+    """Check that an output file can be written.
 
     Raises
     ------
     InputError
-        If the path is a folder, a file that is there already and ``force`` was not given, or in a folder that
-        cannot be written to.
+        If the path is a folder or a device, is a file that exists and ``force`` is False, or lies in a folder
+        that cannot be written to.
     """
-    if path.is_dir():
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        _check_writable(next(parent for parent in path.absolute().parents if parent.exists()))
+        return
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}") from error
+    if stat.S_ISDIR(mode):
         raise InputError(f"{path} is a folder: give the name of a file")
-    if path.exists() and not force:
+    if not stat.S_ISREG(mode):
+        raise InputError(f"{path} is not a regular file: give another name")
+    if not force:
         raise InputError(f"{path} exists already: choose another name, or pass --force to replace it")
-    folder = next(parent for parent in path.absolute().parents if parent.exists())
-    if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise InputError(f"{path} cannot be written: {folder} is no folder that allows it")
+    _check_writable(path.absolute().parent)
+
+
+def print_data(text: str) -> None:
+    """Write data to standard output, unaltered.
+
+    Raises
+    ------
+    InputError
+        If the encoding of standard output lacks a character.
+    """
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"standard output cannot express {text[error.start]!a} in its encoding {error.encoding}: write "
+            "to a file with --out, or set PYTHONIOENCODING=utf-8"
+        ) from error
+    print(text, end="")
+
+
+def _check_writable(folder: Path) -> None:
+    # Permissions do not tell everything (read-only file systems, quotas, /proc), so something is written.
+    probe = folder / f".relforest-{os.getpid()}"
+    try:
+        probe.mkdir()
+        probe.rmdir()
+    except OSError as error:
+        raise InputError(f"cannot write to folder {folder}: {error.strerror}") from error

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
 from tyro.conf import Positional, arg
 
-from relforest.cli.outputs import check_free
+from relforest.cli.early_checks import UsageError, naming_options, option_name
 from relforest.cli.progress import note, working
-from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
     from relforest.worlds.blocks.env import BlocksEnv
@@ -128,12 +127,9 @@ class PlayOptions:
 
 def play(options: PlayOptions) -> int:
     """Play as the options say; the exit code is 0."""
-    from relforest.support.options import at_least
-
     chosen = _chosen(options)
-    at_least("seed", options.seed, 0)
-    if options.out is not None:
-        _check_page(options.out, force=options.force)
+    if options.out is not None and options.out.suffix.lower() not in {".html", ".htm"}:
+        raise UsageError(f"--out {options.out} must end in .html: the page is one HTML file")
     if options.world == "keepaway":
         lines, page = _play_keepaway(options, chosen)
     else:
@@ -154,42 +150,38 @@ def _chosen(options: PlayOptions) -> dict[str, Any]:
     for name in sorted({name for own in _DEFAULTS.values() for name in own} - defaults.keys()):
         if getattr(options, name) is not None:
             worlds = [world for world, own in _DEFAULTS.items() if name in own]
-            flag = f"--{name.replace('_', '-')}"
-            raise InputError(f"{flag} belongs to {', '.join(worlds)}, not to {options.world}: leave it out")
+            flag = option_name(name)
+            raise UsageError(f"{flag} belongs to {', '.join(worlds)}, not to {options.world}: leave it out")
     given = {name: getattr(options, name) for name in defaults}
     return {name: defaults[name] if value is None else value for name, value in given.items()}
-
-
-def _check_page(out: Path, *, force: bool) -> None:
-    if out.suffix.lower() not in {".html", ".htm"}:
-        raise InputError(f"{out} must end in .html: --out writes a page")
-    check_free(out, force=force)
 
 
 def _play_keepaway(
     options: PlayOptions, chosen: Mapping[str, Any]
 ) -> tuple[Iterator[str], Callable[[], str]]:
+    name = chosen["policy"]
+    if name not in _KEEPAWAY_POLICIES and not Path(name).is_dir():
+        known = ", ".join(map(repr, _KEEPAWAY_POLICIES))
+        raise UsageError(f"--policy must be one of {known}, or a run folder, got {name!r}")
+
     from relforest.experiments.keepaway_policies import learned_policy
     from relforest.worlds.keepaway.options import KeepawayOptions
     from relforest.worlds.keepaway.page import page
     from relforest.worlds.keepaway.recorder import record_episodes
 
-    rules = KeepawayOptions(
-        keepers=chosen["keepers"],
-        takers=chosen["takers"],
-        size=_size(chosen["size"]),
-        perception=chosen["perception"],
-        max_cycles=chosen["max_cycles"],
-    )
-    name = chosen["policy"]
+    with naming_options(chosen):
+        rules = KeepawayOptions(
+            keepers=chosen["keepers"],
+            takers=chosen["takers"],
+            size=_size(chosen["size"]),
+            perception=chosen["perception"],
+            max_cycles=chosen["max_cycles"],
+        )
     policy: str | Decider = name
     if name in _KEEPAWAY_POLICIES:
         described = _KEEPAWAY_POLICIES[name]
-    elif Path(name).is_dir():
-        policy, described = learned_policy(Path(name), rules.keepers, rules.takers), f"learned in {name}"
     else:
-        known = ", ".join(repr(known) for known in _KEEPAWAY_POLICIES)
-        raise InputError(f"policy of keepaway must be one of {known}, or a run folder, got {name!r}")
+        policy, described = learned_policy(Path(name), rules.keepers, rules.takers), f"learned in {name}"
     with working("playing"):
         recordings = record_episodes(policy, rules, options.episodes, options.seed)
     length, width = recordings[0].field
@@ -207,7 +199,7 @@ def _size(sides: tuple[float, ...]) -> float | tuple[float, float]:
         case (length, width):
             return length, width
         case _:
-            raise InputError(f"--size takes one number, or a length and a width, got {len(sides)} numbers")
+            raise UsageError(f"--size takes one number, or a length and a width, got {len(sides)} numbers")
 
 
 def _told_keepaway(recordings: Sequence[KeepawayRecording]) -> Iterator[str]:
@@ -232,8 +224,9 @@ def _play_blocks(options: PlayOptions, chosen: Mapping[str, Any]) -> tuple[Itera
     from relforest.worlds.blocks.policies import make_policy
     from relforest.worlds.blocks.recorder import record_episodes
 
-    env = _blocks_env(options.world, chosen)
-    policy = make_policy(chosen["policy"], env)
+    with naming_options(chosen, n_blocks="blocks"):
+        env = _blocks_env(options.world, chosen)
+        policy = make_policy(chosen["policy"], env)
     with working("playing"):
         recordings = record_episodes(env, policy, options.episodes, options.seed)
     compared = f", {chosen['distance']}" if "distance" in chosen else ""

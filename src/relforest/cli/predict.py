@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, final
 
 from tyro.conf import Positional, arg
 
-from relforest.cli.outputs import check_free
+from relforest.cli.outputs import check_free, print_data
 from relforest.cli.progress import note
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def predict(options: PredictOptions) -> int:
     check_schema(options.table, scenes, model.tree.schema)
     text = _as_csv(model, scenes, options.jobs)
     if options.out is None:
-        print(text, end="")
+        print_data(text)
     else:
         write_text(options.out, text)
         note(f"wrote {len(scenes)} predictions of {model.positive} to {options.out}")

@@ -59,12 +59,13 @@ class ShowOptions:
 
 def show(options: ShowOptions) -> int:
     """Show a tree as the options say; the exit code is 0."""
+    chosen = _chosen_scene(options)
+
     from relforest.cli.model_file import read_model
     from relforest.reports import save_figure, tree_figure
     from relforest.reports.figure_files import check_suffix
     from relforest.reports.tree_path import path_in_words, tree_path
 
-    chosen = _chosen_scene(options)
     if options.out is not None:
         check_suffix(options.out)
         check_free(options.out, force=options.force)

@@ -8,49 +8,6 @@ From wherever they are, bags come as a `BagSet`: start there.
 
 from __future__ import annotations
 
-from relforest.datasets.bag_set import About, BagSet
-from relforest.datasets.catalogue import CATALOGUE
-from relforest.datasets.concepts import between_scenes, figure41_scenes, yellow_scenes
-from relforest.datasets.printed_colors import color
-from relforest.datasets.published import (
-    fetch,
-    fetch_elephant,
-    fetch_fox,
-    fetch_musk1,
-    fetch_musk2,
-    fetch_mutagenesis_atoms,
-    fetch_mutagenesis_bonds,
-    fetch_mutagenesis_chains,
-    fetch_thioredoxin,
-    fetch_tiger,
-    load_east_west,
-)
-from relforest.datasets.readers import read_arff, read_c45, read_csv
-from relforest.datasets.synthetic_bags import covariant1, covariant2, disjunctive
+from relforest.support.front_door import attach
 
-__all__ = [
-    "CATALOGUE",
-    "About",
-    "BagSet",
-    "between_scenes",
-    "color",
-    "covariant1",
-    "covariant2",
-    "disjunctive",
-    "fetch",
-    "fetch_elephant",
-    "fetch_fox",
-    "fetch_musk1",
-    "fetch_musk2",
-    "fetch_mutagenesis_atoms",
-    "fetch_mutagenesis_bonds",
-    "fetch_mutagenesis_chains",
-    "fetch_thioredoxin",
-    "fetch_tiger",
-    "figure41_scenes",
-    "load_east_west",
-    "read_arff",
-    "read_c45",
-    "read_csv",
-    "yellow_scenes",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,26 +7,6 @@ package of four files, settings, run, analysis and a README, and an entry in `re
 
 from __future__ import annotations
 
-from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.registry import STUDIES
-from relforest.experiments.run_config import RunConfig
-from relforest.experiments.runner import run_study
-from relforest.experiments.runs import learn_runs
-from relforest.experiments.study import Place, Study
-from relforest.experiments.table import Table
-from relforest.experiments.tasks import TASKS, Task, task_named
+from relforest.support.front_door import attach
 
-__all__ = [
-    "STUDIES",
-    "TASKS",
-    "Claim",
-    "Findings",
-    "Place",
-    "RunConfig",
-    "Study",
-    "Table",
-    "Task",
-    "learn_runs",
-    "run_study",
-    "task_named",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

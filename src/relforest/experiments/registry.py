@@ -17,12 +17,13 @@ from relforest.experiments import (
     mil_ablation,
     resume,
 )
+from relforest.experiments.questions import QUESTIONS
 from relforest.experiments.study import Study
 
 _ALL: Final[tuple[Study[Any], ...]] = (
     Study(
         "covagg",
-        "Does covariant aggregation reach the source's scores on synthetic bags?",
+        QUESTIONS["covagg"],
         covagg.SETTINGS,
         covagg.SMOKE,
         covagg.compute,
@@ -31,7 +32,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "mil",
-        "Does covariant aggregation stand its ground among other multiple-instance methods, as in chapter 3?",
+        QUESTIONS["mil"],
         mil.SETTINGS,
         mil.SMOKE,
         mil.compute,
@@ -43,7 +44,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "concepts",
-        "Do SMRF trees recover known relational concepts, and carry them over to larger scenes?",
+        QUESTIONS["concepts"],
         concepts.SETTINGS,
         concepts.SMOKE,
         concepts.compute,
@@ -52,7 +53,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "calibration",
-        "How often does each test of an expansion accept a question where there is nothing to learn?",
+        QUESTIONS["calibration"],
         calibration.SETTINGS,
         calibration.SMOKE,
         calibration.compute,
@@ -61,7 +62,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "mil_ablation",
-        "What is each part of a committee of volumes good for, on the data that it was designed with?",
+        QUESTIONS["mil_ablation"],
         mil_ablation.SETTINGS,
         mil_ablation.SMOKE,
         mil_ablation.compute,
@@ -72,7 +73,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "corridor",
-        "How fast does SMRF-RPI learn the corridor, and what are densities good for?",
+        QUESTIONS["corridor"],
         corridor.SETTINGS,
         corridor.SMOKE,
         corridor.compute,
@@ -81,7 +82,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "keepaway",
-        "Is our keepaway that of the RoboCup 2-D server, is it learned as there, and how fast is it?",
+        QUESTIONS["keepaway"],
         keepaway.SETTINGS,
         keepaway.SMOKE,
         keepaway.compute,
@@ -90,7 +91,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "blocks",
-        "Is our blocks world that of the author's simulator, and how good are hand-made policies in it?",
+        QUESTIONS["blocks"],
         blocks.SETTINGS,
         blocks.SMOKE,
         blocks.compute,
@@ -100,7 +101,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
     ),
     Study(
         "resume",
-        "Does a run that was killed at any moment and started again end as if nothing had happened?",
+        QUESTIONS["resume"],
         resume.SETTINGS,
         resume.SMOKE,
         resume.compute,

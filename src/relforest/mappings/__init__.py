@@ -7,8 +7,6 @@ so far to a vector (or an angle) and asks whether that point lies in a decision 
 
 from __future__ import annotations
 
-from relforest.mappings.catalogue import catalogue
-from relforest.mappings.mapping import Mapping
-from relforest.mappings.operations import OPERATIONS, Operation
+from relforest.support.front_door import attach
 
-__all__ = ["OPERATIONS", "Mapping", "Operation", "catalogue"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -8,8 +8,6 @@ in `relforest.mil.peers`.
 
 from __future__ import annotations
 
-from relforest.mil.covagg import CovAggClassifier
-from relforest.mil.scaling import BagScaler
-from relforest.mil.volume_committee import VolumeCommitteeClassifier
+from relforest.support.front_door import attach
 
-__all__ = ["BagScaler", "CovAggClassifier", "VolumeCommitteeClassifier"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,22 +7,6 @@ words. `save_figure` writes any figure as PNG or SVG, always with the same bytes
 
 from __future__ import annotations
 
-from relforest.reports.corridor_figure import BellmanErrors, LeafBand, corridor_figure
-from relforest.reports.figure_files import save_figure
-from relforest.reports.learning_figure import leaves_figure, reward_figure
-from relforest.reports.question_points import QuestionPoints, question_points
-from relforest.reports.run_report import run_report
-from relforest.reports.tree_figure import tree_figure
+from relforest.support.front_door import attach
 
-__all__ = [
-    "BellmanErrors",
-    "LeafBand",
-    "QuestionPoints",
-    "corridor_figure",
-    "leaves_figure",
-    "question_points",
-    "reward_figure",
-    "run_report",
-    "save_figure",
-    "tree_figure",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

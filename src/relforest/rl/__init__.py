@@ -8,9 +8,6 @@ the labels (`relforest.trees`), keeps those with which policy iteration fits bet
 
 from __future__ import annotations
 
-from relforest.rl.lspi import LSPISettings
-from relforest.rl.rpi import SMRFRPI, Evaluation
-from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction
+from relforest.support.front_door import attach
 
-__all__ = ["SMRFRPI", "Evaluation", "LSPISettings", "RPISettings", "ValueFunction"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -8,21 +8,6 @@ stored.
 
 from __future__ import annotations
 
-from relforest.scenes.bags import Bags, as_bags
-from relforest.scenes.batch import Scenes
-from relforest.scenes.derived import extent_ratio
-from relforest.scenes.frames import scene_values
-from relforest.scenes.schema import OPERATION_NAMES, Attribute, Schema
-from relforest.scenes.tables import read_table
+from relforest.support.front_door import attach
 
-__all__ = [
-    "OPERATION_NAMES",
-    "Attribute",
-    "Bags",
-    "Scenes",
-    "Schema",
-    "as_bags",
-    "extent_ratio",
-    "read_table",
-    "scene_values",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,3 +7,7 @@ of a run.
 """
 
 from __future__ import annotations
+
+from relforest.support.front_door import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

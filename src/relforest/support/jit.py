@@ -2,21 +2,32 @@
 
 Numba keeps machine code on disk and renews it when the file of a function changes, but not when a function
 that it calls does, in another file. A library whose kernels call each other across files would run old code
-after an upgrade. So the cache is kept in a folder named for the content of the whole package.
+after an upgrade. So the cache is kept in a folder named for the content of the whole package. Where no folder
+can be written to, kernels are compiled in every process, with a warning that says so.
 """
 
 from __future__ import annotations
 
+import multiprocessing
 import os
-from collections.abc import Callable
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache, cached_property
 from pathlib import Path
-from typing import Literal, TypeVar, cast
+from typing import Any, Final, Literal, TypeVar, cast, final
 
 import numba
+from numba.core.caching import FunctionCache, NullCache
 
 from relforest.support.files import content_digest
+from relforest.support.progress import is_heard, report
 
 Function = TypeVar("Function", bound=Callable[..., object])
+
+_PACKAGE: Final = Path(__file__).parents[1]
 
 
 def inlined(function: Function) -> Function:
@@ -58,27 +69,115 @@ def kernel(function: Function) -> Function:
 
 
 def _compiled(function: Function, *, inline: Literal["never", "always"]) -> Function:
-    # Numba fixes a function's cache when it is decorated, from this setting.
-    settings = vars(numba.config)
-    previous = settings["CACHE_DIR"]
-    settings["CACHE_DIR"] = _CACHE
-    try:
-        compiled = numba.njit(cache=True, nogil=True, error_model="numpy", inline=inline)(function)
-    finally:
-        settings["CACHE_DIR"] = previous
+    compiled = numba.njit(nogil=True, error_model="numpy", inline=inline)(function)
+    if not vars(numba.config)["DISABLE_JIT"]:
+        vars(compiled)["_cache"] = _KernelCache(function)  # where `njit(cache=True)` puts its own
     return cast("Function", compiled)
 
 
-def _cache_folder(package: Path) -> str:
-    """Where machine code of this very version of the package is kept."""
+@final
+class _KernelCache(NullCache):
+    """Machine code of one function on disk, looked for when the function is first called.
+
+    A damaged file or a full disk costs time, not the call: the function is compiled.
+    """
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        self._function = function
+
+    @cached_property
+    def _disk(self) -> Any:  # noqa: ANN401 - a class of Numba's
+        folder, _ = _cache_folder()
+        if folder is None:
+            return NullCache()
+        # Numba takes the folder of a function's cache from this setting.
+        settings = vars(numba.config)
+        previous = settings["CACHE_DIR"]
+        settings["CACHE_DIR"] = folder
+        try:
+            return FunctionCache(self._function)  # type: ignore[no-untyped-call]
+        except (OSError, RuntimeError):
+            return NullCache()
+        finally:
+            settings["CACHE_DIR"] = previous
+
+    @property
+    def cache_path(self) -> str | None:
+        return cast("str | None", self._disk.cache_path)
+
+    def load_overload(self, sig: object, target_context: object) -> object:
+        try:
+            loaded: object = self._disk.load_overload(sig, target_context)
+        except Exception:  # noqa: BLE001 - a damaged pickle raises anything
+            loaded = None
+            with suppress(Exception):
+                self._disk.flush()
+        if loaded is None:
+            _announce_compiling()
+        return loaded
+
+    def save_overload(self, sig: object, data: object) -> None:
+        try:
+            self._disk.save_overload(sig, data)
+        except OSError as error:
+            _warn_of_missing_cache(f"{self.cache_path}: {error.strerror}")
+
+    def flush(self) -> None:
+        self._disk.flush()
+
+
+@cache
+def _cache_folder() -> tuple[str | None, str]:
+    """Return where machine code of this very version of the package is kept; if nowhere, None and why."""
+    reasons = []
+    for folder in _candidates(_PACKAGE):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                return str(folder), ""
+        except OSError as error:
+            reasons.append(f"{folder}: {error.strerror}")
+    return None, "; ".join(reasons)
+
+
+def _candidates(package: Path) -> Iterator[Path]:
+    """Yield folders for the cache: the one the user has chosen, or else one in the package, one at home."""
     name = f"relforest-{content_digest(sorted(package.rglob('*.py')))}"
     chosen = vars(numba.config)["CACHE_DIR"]
     if chosen:
-        return str(Path(chosen) / name)
-    if os.access(package, os.W_OK):
-        return str(package / "__pycache__" / name)
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return str(Path(home) / "relforest" / name)
+        yield Path(chosen) / name
+        return
+    yield package / "__pycache__" / name
+    # The home of a user without an entry in the password database is unknown.
+    with suppress(RuntimeError):
+        yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "relforest" / name
 
 
-_CACHE = _cache_folder(Path(__file__).parents[1])
+@cache
+def _announce_compiling() -> None:
+    """Say, once in a process, that kernels are being compiled, which takes seconds each."""
+    folder, reason = _cache_folder()
+    text = "compiling, the first time only" if folder else "compiling, as there is no cache"
+    if folder is None:
+        _warn_of_missing_cache(reason)
+    if is_heard():
+        report(text)
+    elif folder and _is_watched():
+        sys.stderr.write(f"relforest: {text}\n")
+
+
+@cache
+def _warn_of_missing_cache(reason: str) -> None:
+    warnings.warn(
+        f"compiled code cannot be kept ({reason}), so every process compiles it again; set NUMBA_CACHE_DIR "
+        "to a folder that can be written to",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+
+
+def _is_watched() -> bool:
+    """Return whether a person may be reading standard error; workers leave it to their parent."""
+    if sys.stderr is None or multiprocessing.parent_process() is not None:
+        return False
+    return sys.stderr.isatty() or hasattr(sys, "ps1")

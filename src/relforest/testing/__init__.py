@@ -6,7 +6,6 @@ it needs no test framework. Start with `check_world` and `check_mapping`.
 
 from __future__ import annotations
 
-from relforest.testing.mappings import check_mapping
-from relforest.testing.worlds import check_world
+from relforest.support.front_door import attach
 
-__all__ = ["check_mapping", "check_world"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

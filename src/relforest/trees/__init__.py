@@ -9,24 +9,6 @@ Algorithm 4.1.
 
 from __future__ import annotations
 
-from relforest.trees.estimator import Explanation, SMRFTreeClassifier, explain
-from relforest.trees.growth import Growth, TreeSettings, grow
-from relforest.trees.inference import Answers, query
-from relforest.trees.nodes import Instantiation, Leaf, Node, Question
-from relforest.trees.tree import Tree
+from relforest.support.front_door import attach
 
-__all__ = [
-    "Answers",
-    "Explanation",
-    "Growth",
-    "Instantiation",
-    "Leaf",
-    "Node",
-    "Question",
-    "SMRFTreeClassifier",
-    "Tree",
-    "TreeSettings",
-    "explain",
-    "grow",
-    "query",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

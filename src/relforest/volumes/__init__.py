@@ -8,19 +8,6 @@ are, in reading order: `bag_layout`, `conditioning`, `witnesses`, `models`, `obj
 
 from __future__ import annotations
 
-from relforest.volumes.arc import Arc
-from relforest.volumes.covagg import Aggregation, CovAggSettings, aggregate
-from relforest.volumes.ellipsoid import Ellipsoid
-from relforest.volumes.objectives import Objective
-from relforest.volumes.volume import Volume, volume_from_dict
+from relforest.support.front_door import attach
 
-__all__ = [
-    "Aggregation",
-    "Arc",
-    "CovAggSettings",
-    "Ellipsoid",
-    "Objective",
-    "Volume",
-    "aggregate",
-    "volume_from_dict",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

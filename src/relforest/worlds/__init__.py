@@ -6,6 +6,6 @@ them with Gymnasium. Start with `corridor`, the smallest one.
 
 from __future__ import annotations
 
-from relforest.worlds.registry import ENVIRONMENT_IDS, environment_id, register_worlds
+from relforest.support.front_door import attach
 
-__all__ = ["ENVIRONMENT_IDS", "environment_id", "register_worlds"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

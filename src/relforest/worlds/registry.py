@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-import gymnasium
-
 from relforest.support.options import one_of
 
 ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType(
@@ -56,9 +54,11 @@ def environment_id(world: str) -> str:
 def register_worlds() -> None:
     """Make every world known to ``gymnasium.make``; worlds that it knows already are left alone.
 
-    Importing this module does it, and importing `relforest` imports this module: therefore
-    ``gymnasium.make("relforest:relforest/Corridor-v0")`` works before any import.
+    Importing `relforest` does it: therefore ``gymnasium.make("relforest:relforest/Corridor-v0")`` works
+    before any import.
     """
+    import gymnasium  # noqa: PLC0415 - names of worlds are needed without it
+
     for identifier, entry_point in _ENTRY_POINTS.items():
         if identifier not in gymnasium.registry:
             gymnasium.register(
@@ -66,6 +66,3 @@ def register_worlds() -> None:
                 entry_point=entry_point,
                 vector_entry_point=_VECTOR_ENTRY_POINTS.get(identifier),
             )
-
-
-register_worlds()

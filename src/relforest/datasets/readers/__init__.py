@@ -7,8 +7,6 @@ that names the file, the place and the remedy. Files may be compressed with gzip
 
 from __future__ import annotations
 
-from relforest.datasets.readers.arff import read_arff
-from relforest.datasets.readers.c45 import read_c45
-from relforest.datasets.readers.csv_table import read_csv
+from relforest.support.front_door import attach
 
-__all__ = ["read_arff", "read_c45", "read_csv"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

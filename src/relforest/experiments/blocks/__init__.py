@@ -7,9 +7,6 @@ findings and `pictures` into figures. The question, the command and the result s
 
 from __future__ import annotations
 
-from relforest.experiments.blocks.analysis import summarize
-from relforest.experiments.blocks.pictures import figures
-from relforest.experiments.blocks.run import compute
-from relforest.experiments.blocks.settings import SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -6,8 +6,6 @@ into findings and a figure. The question, the command and the result seen stand 
 
 from __future__ import annotations
 
-from relforest.experiments.concepts.analysis import figures, summarize
-from relforest.experiments.concepts.run import compute
-from relforest.experiments.concepts.settings import SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

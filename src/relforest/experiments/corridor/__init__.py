@@ -7,8 +7,6 @@ table into findings and Figures 7.2 to 7.4. The question, the command and the re
 
 from __future__ import annotations
 
-from relforest.experiments.corridor.analysis import figures, summarize
-from relforest.experiments.corridor.run import compute
-from relforest.experiments.corridor.settings import SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,8 +7,6 @@ turns the table into findings and a figure. The question, the command and the re
 
 from __future__ import annotations
 
-from relforest.experiments.covagg.analysis import figures, summarize
-from relforest.experiments.covagg.run import compute
-from relforest.experiments.covagg.settings import SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,8 +7,6 @@ seen stand in ``README.md``.
 
 from __future__ import annotations
 
-from relforest.experiments.keepaway.analysis import figures, summarize
-from relforest.experiments.keepaway.run import compute
-from relforest.experiments.keepaway.settings import SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -9,9 +9,6 @@ command and the result seen stand in ``README.md``.
 
 from __future__ import annotations
 
-from relforest.experiments.mil.analysis import summarize
-from relforest.experiments.mil.pictures import figures
-from relforest.experiments.mil.run import compute, obstacles
-from relforest.experiments.mil.settings import CHOICES, SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "obstacles", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,8 +7,6 @@ question, the command and the result seen stand in ``README.md``.
 
 from __future__ import annotations
 
-from relforest.experiments.mil_ablation.analysis import figures, summarize
-from relforest.experiments.mil_ablation.run import compute, obstacles
-from relforest.experiments.mil_ablation.settings import CHOICES, SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "obstacles", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -6,8 +6,6 @@ turns the table into findings. The question, the command and the result seen sta
 
 from __future__ import annotations
 
-from relforest.experiments.resume.analysis import figures, summarize
-from relforest.experiments.resume.run import compute
-from relforest.experiments.resume.settings import SETTINGS, SMOKE
+from relforest.support.front_door import attach
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -16,25 +16,6 @@ to all threads.
 
 from __future__ import annotations
 
-from relforest.mil.peers.apr import APRClassifier
-from relforest.mil.peers.bag_margin_svm import BagMarginSVMClassifier
-from relforest.mil.peers.diverse_density import DiverseDensityClassifier
-from relforest.mil.peers.em_dd import EMDDClassifier
-from relforest.mil.peers.instance_margin_svm import InstanceMarginSVMClassifier
-from relforest.mil.peers.miles import MILESClassifier
-from relforest.mil.peers.optimal_ball import OptimalBallClassifier
-from relforest.mil.peers.single_instance_svm import SingleInstanceSVMClassifier
-from relforest.mil.peers.tuning import svm_grid, tuned
+from relforest.support.front_door import attach
 
-__all__ = [
-    "APRClassifier",
-    "BagMarginSVMClassifier",
-    "DiverseDensityClassifier",
-    "EMDDClassifier",
-    "InstanceMarginSVMClassifier",
-    "MILESClassifier",
-    "OptimalBallClassifier",
-    "SingleInstanceSVMClassifier",
-    "svm_grid",
-    "tuned",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -8,21 +8,6 @@ Stone et al. (2006), or of any function that returns a row of numbers per action
 
 from __future__ import annotations
 
-from relforest.rl.peers.feature_map import DenseFeatures, FeatureMap, Features
-from relforest.rl.peers.sarsa import SarsaLambda
-from relforest.rl.peers.sarsa_file import read_team, write_team
-from relforest.rl.peers.settings import SarsaSettings
-from relforest.rl.peers.team import make_team
-from relforest.rl.peers.tile_coding import TileCoding
+from relforest.support.front_door import attach
 
-__all__ = [
-    "DenseFeatures",
-    "FeatureMap",
-    "Features",
-    "SarsaLambda",
-    "SarsaSettings",
-    "TileCoding",
-    "make_team",
-    "read_team",
-    "write_team",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

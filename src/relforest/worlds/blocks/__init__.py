@@ -15,30 +15,6 @@ the Gymnasium face: ``relforest/HighTowers-v0``, ``relforest/ColorGrouping-v0`` 
 
 from __future__ import annotations
 
-from relforest.worlds.blocks.balance import balance_scale_scenes
-from relforest.worlds.blocks.blocks import Block, arch_blocks, random_blocks
-from relforest.worlds.blocks.drop_on import drop_on_scenes
-from relforest.worlds.blocks.engine import Engine
-from relforest.worlds.blocks.handling import Handling
-from relforest.worlds.blocks.noise import Noise
-from relforest.worlds.blocks.options import OptionResult, done, isolate, move, put, rotate
-from relforest.worlds.blocks.simulation import BlocksSimulation, Frame
+from relforest.support.front_door import attach
 
-__all__ = [
-    "Block",
-    "BlocksSimulation",
-    "Engine",
-    "Frame",
-    "Handling",
-    "Noise",
-    "OptionResult",
-    "arch_blocks",
-    "balance_scale_scenes",
-    "done",
-    "drop_on_scenes",
-    "isolate",
-    "move",
-    "put",
-    "random_blocks",
-    "rotate",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

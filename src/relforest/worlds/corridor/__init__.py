@@ -7,9 +7,6 @@ section 7.3). It is made by ``gymnasium.make("relforest/Corridor-v0")``. Read `s
 
 from __future__ import annotations
 
-from relforest.worlds.corridor.actions import ACTION_TYPES, LEFT, RIGHT
-from relforest.worlds.corridor.policies import OptimalPolicy, RandomPolicy
-from relforest.worlds.corridor.scene import SCHEMA
-from relforest.worlds.corridor.state import CorridorState
+from relforest.support.front_door import attach
 
-__all__ = ["ACTION_TYPES", "LEFT", "RIGHT", "SCHEMA", "CorridorState", "OptimalPolicy", "RandomPolicy"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

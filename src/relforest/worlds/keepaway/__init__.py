@@ -12,24 +12,6 @@ are what learners see; `env`, `vector`, `parallel` and `wrapper` only wire them,
 
 from __future__ import annotations
 
-from relforest.worlds.keepaway.durations import Played, episode_durations, play_episodes
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.policies import HandCodedPolicy, HoldPolicy, RandomPolicy
-from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
-from relforest.worlds.keepaway.variables import n_variables, state_variables, tile_widths, variable_names
+from relforest.support.front_door import attach
 
-__all__ = [
-    "ACTION_TYPES",
-    "SCHEMA",
-    "HandCodedPolicy",
-    "HoldPolicy",
-    "KeepawayOptions",
-    "Played",
-    "RandomPolicy",
-    "episode_durations",
-    "n_variables",
-    "play_episodes",
-    "state_variables",
-    "tile_widths",
-    "variable_names",
-]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

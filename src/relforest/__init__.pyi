@@ -1,0 +1,48 @@
+from . import (
+    datasets,
+    experiments,
+    mappings,
+    metrics,
+    mil,
+    reports,
+    rl,
+    scenes,
+    smdp,
+    support,
+    testing,
+    trees,
+    volumes,
+    worlds,
+)
+from .mil import CovAggClassifier
+from .rl import SMRFRPI
+from .scenes import Attribute, Scenes, Schema
+from .trees import SMRFTreeClassifier, Tree
+from .worlds import ENVIRONMENT_IDS
+
+__version__: str
+
+__all__ = [
+    "ENVIRONMENT_IDS",
+    "SMRFRPI",
+    "Attribute",
+    "CovAggClassifier",
+    "SMRFTreeClassifier",
+    "Scenes",
+    "Schema",
+    "Tree",
+    "datasets",
+    "experiments",
+    "mappings",
+    "metrics",
+    "mil",
+    "reports",
+    "rl",
+    "scenes",
+    "smdp",
+    "support",
+    "testing",
+    "trees",
+    "volumes",
+    "worlds",
+]

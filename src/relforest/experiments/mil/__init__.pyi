@@ -1,0 +1,6 @@
+from .analysis import summarize
+from .pictures import figures
+from .run import compute, obstacles
+from .settings import CHOICES, SETTINGS, SMOKE
+
+__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "obstacles", "summarize"]

@@ -1,0 +1,21 @@
+from .estimator import Explanation, SMRFTreeClassifier, explain
+from .growth import Growth, TreeSettings, grow
+from .inference import Answers, query
+from .nodes import Instantiation, Leaf, Node, Question
+from .tree import Tree
+
+__all__ = [
+    "Answers",
+    "Explanation",
+    "Growth",
+    "Instantiation",
+    "Leaf",
+    "Node",
+    "Question",
+    "SMRFTreeClassifier",
+    "Tree",
+    "TreeSettings",
+    "explain",
+    "grow",
+    "query",
+]

@@ -1,0 +1,16 @@
+from .arc import Arc
+from .covagg import Aggregation, CovAggSettings, aggregate
+from .ellipsoid import Ellipsoid
+from .objectives import Objective
+from .volume import Volume, volume_from_dict
+
+__all__ = [
+    "Aggregation",
+    "Arc",
+    "CovAggSettings",
+    "Ellipsoid",
+    "Objective",
+    "Volume",
+    "aggregate",
+    "volume_from_dict",
+]
