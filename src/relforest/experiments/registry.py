@@ -108,6 +108,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         resume.summarize,
         resume.figures,
         compiles=False,
+        choices=resume.CHOICES,
     ),
 )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import copy_context
 from functools import cache
 from typing import Literal, TypeVar, TypeVarTuple
 
@@ -13,6 +14,7 @@ from threadpoolctl import ThreadpoolController
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
+from relforest.support.workers import run_in_processes
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
@@ -33,14 +35,13 @@ def run_tasks(
     Parameters
     ----------
     function : callable
-        Must be importable (module level) for processes.
+        Of a module, for processes.
     tasks : sequence of tuple
         The positional arguments of each call.
     n_jobs : int
         How many tasks run at the same time; 1 runs them in this thread, -1 uses all cores.
     prefer : {"threads", "processes"}
-        Threads suit functions that spend their time in kernels; an active ``joblib.parallel_config``
-        overrides this choice.
+        Threads suit functions that spend their time in kernels. Processes end with this one, however it ends.
 
     Returns
     -------
@@ -50,13 +51,21 @@ def run_tasks(
     ------
     InputError
         If ``n_jobs`` is neither -1 nor a positive integer.
+
+    Notes
+    -----
+    What the tasks report (`relforest.support.progress`) reaches whoever listens here.
     """
     n_jobs = checked_jobs(n_jobs)
     with one_blas_thread():
         if n_jobs == 1 or len(tasks) < 2:
             return [function(*task) for task in tasks]
-        workers = joblib.Parallel(n_jobs=n_jobs, prefer=prefer)
-        return list(workers(joblib.delayed(_single_threaded)(function, task) for task in tasks))
+        calls = [(function, task) for task in tasks]
+        if prefer == "processes":
+            return run_in_processes(_single_threaded, calls, min(n_jobs, len(tasks)))
+        workers = joblib.Parallel(n_jobs=n_jobs, backend="threading")
+        # Threads do not inherit the listener of reports, and each needs a context of its own.
+        return list(workers(joblib.delayed(copy_context().run)(_single_threaded, *call) for call in calls))
 
 
 @contextmanager

@@ -10,7 +10,9 @@ def row(variant: str, moment: int, differing: str = "") -> Row:
         "moment": moment,
         "fraction": 0.25,
         "seconds": 1.5,
+        "signal": "SIGKILL to the first",
         "alive": True,
+        "survivors": moment,
         "iterations": 2,
         "files": 12,
         "differing": differing,
@@ -23,12 +25,16 @@ TABLE = Table.of(
 )
 
 
-def test_no_file_may_differ() -> None:
+def test_no_file_may_differ_and_no_process_survive() -> None:
     findings = summarize(TABLE)
 
-    assert [(claim.measured, claim.is_met) for claim in findings.claims] == [(0.0, True), (1.0, False)]
+    assert [(claim.measured, claim.is_met) for claim in findings.claims] == [
+        *((0.0, True), (1.0, False)),
+        *((1.0, False), (1.0, False)),
+    ]
     assert "NO: metrics.jsonl trees/0001-left-1.json" in findings.text
-    assert ["0.250", "1.50", "yes", "2", "12", "yes"] in [line.split() for line in findings.text.splitlines()]
+    lines = [line.split() for line in findings.text.splitlines()]
+    assert ["0.250", "1.50", "SIGKILL", "to", "the", "first", "yes", "1", "2", "12", "yes"] in lines
 
 
 def test_there_is_no_figure() -> None:

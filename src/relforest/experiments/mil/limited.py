@@ -17,11 +17,11 @@ from typing import Final, final
 from relforest.experiments.mil.steps import STOPPED, Job, Step
 from relforest.experiments.mil.worker import PREPARATION, peak_memory
 from relforest.support.errors import InputError, RelforestError
+from relforest.support.workers import start
 
 _START: Final = (
-    "import json, sys; asked = json.loads(sys.stdin.read()); sys.path[:] = asked['path']; "
-    "from relforest.experiments.mil.worker import serve; "
-    "serve(asked['job'], asked['parent'], asked['prepared'])"
+    "import json; asked = json.loads(sys.stdin.read()); sys.path[:] = asked['path']; "
+    "from relforest.experiments.mil.worker import serve; serve(asked['job'], asked['prepared'])"
 )
 _ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _LOOK_SECONDS: Final = 0.1
@@ -99,18 +99,17 @@ def _hard_limit() -> int | None:
 
 def _run(job: Job) -> _Ended:
     with (
-        _pipe() as (reading, _),
         _pipe() as (told, telling),
-        subprocess.Popen(  # noqa: S603 - our own interpreter
-            [sys.executable, "-c", _START],
+        start(
+            _START,
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
-            pass_fds=(reading, telling),
+            pass_fds=(telling,),
             env={**os.environ, **_ONE_THREAD},
         ) as process,
     ):
-        asked = {"path": sys.path, "job": job.to_dict(), "parent": reading, "prepared": telling}
+        asked = {"path": sys.path, "job": job.to_dict(), "prepared": telling}
         message: bytes | None = json.dumps(asked).encode()
         peak = 0
         while True:

@@ -13,7 +13,6 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from threading import Thread
 from typing import Any, Final
 
 from relforest.experiments.mil.steps import DONE, STOPPED, Job, Step
@@ -27,19 +26,16 @@ _STATUS: Final = "/proc/{}/status"
 _PEAK: Final = "VmHWM:"
 
 
-def serve(document: Mapping[str, Any], parent: int, prepared: int) -> None:
+def serve(document: Mapping[str, Any], prepared: int) -> None:
     """Do what is left of a job in a process started for it.
 
     Parameters
     ----------
     document : mapping
         `Job.to_dict`.
-    parent : int
-        File descriptor of a pipe whose other end is closed when the starter of this process ends.
     prepared : int
         File descriptor of a pipe that a byte is written to when the first step is about to begin.
     """
-    Thread(target=_end_with, args=(parent,), daemon=True).start()
     signal.signal(signal.SIGXCPU, signal.SIG_DFL)
     # That signal would leave an image of the memory on disk.
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
@@ -133,9 +129,3 @@ def _set_hard_limit(seconds: float) -> None:
     wanted = math.ceil(cpu_seconds() + seconds)
     if hard == resource.RLIM_INFINITY or wanted < hard:
         resource.setrlimit(resource.RLIMIT_CPU, (wanted, wanted))
-
-
-def _end_with(parent: int) -> None:
-    """End this process as soon as the one that started it has ended."""
-    os.read(parent, 1)
-    os._exit(1)

@@ -1,5 +1,5 @@
 from .analysis import figures, summarize
 from .run import compute
-from .settings import SETTINGS, SMOKE
+from .settings import CHOICES, SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "summarize"]

@@ -7,22 +7,38 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, final
 
-from relforest.experiments.resume.settings import ResumeSetting
+from relforest.experiments.resume.settings import PARENT, ResumeSetting
 from relforest.experiments.run_metrics import iterations_of
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
-from relforest.support.errors import RelforestError, RunFolderError
+from relforest.support.errors import InputError, RelforestError, RunFolderError
+from relforest.support.files import read_input
 from relforest.support.locks import FolderLock
+from relforest.support.progress import report
 from relforest.support.rng import generator
+from relforest.support.workers import start
 
 TASK: Final = "corridor"
+
+LONGEST: Final = 2.0
+"""Seconds that the processes which a killed run has started may outlive it."""
+
+# The signals may be ignored here, as in a worker process or after nohup, and that is inherited.
+_RELFOREST: Final = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+from relforest.cli.app import main
+sys.exit(main())
+"""
+_LOOK_SECONDS: Final = 0.05
 
 # Clock times, and the lock; every other file must be the same.
 _LOCK: Final = ".lock"
@@ -30,12 +46,38 @@ _MAY_DIFFER: Final = {"timings.jsonl", _LOCK}
 _PATIENCE: Final = 10.0
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class Kill:
+    """A way to end a run: the signal, and whether all its processes get it or only the first."""
+
+    signal: signal.Signals
+    all_processes: bool
+
+    @property
+    def name(self) -> str:
+        """The signal, and who gets it."""
+        return f"{self.signal.name} to {'all' if self.all_processes else 'the first'}"
+
+
+KILLS: Final = (
+    Kill(signal.SIGKILL, all_processes=True),
+    Kill(signal.SIGKILL, all_processes=False),
+    Kill(signal.SIGTERM, all_processes=False),
+    Kill(signal.SIGINT, all_processes=True),
+    Kill(signal.SIGHUP, all_processes=True),
+)
+"""SIGKILL; the same to the first process, as by a batch system; SIGTERM; Ctrl-C; a closed terminal."""
+
+
 def compute(setting: ResumeSetting, place: Place) -> list[Row]:
     """Return a row per moment.
 
-    Its columns are variant, moment, fraction, seconds, alive, iterations, files, differing, identical.
-    ``fraction`` and ``seconds`` say when the run was killed first, ``alive`` whether it was still running
-    then, ``iterations`` how many its runs had completed; seconds and iterations depend on the machine.
+    Its columns are variant, moment, fraction, seconds, signal, alive, survivors, iterations, files,
+    differing, identical. ``fraction`` and ``seconds`` say when the run was killed first, ``signal`` how,
+    ``alive`` whether it was still running then, ``survivors`` how many of its processes were still running
+    `LONGEST` seconds after any of the kills, ``iterations`` how many iterations its runs had completed;
+    seconds and iterations depend on the machine.
     """
     folder = place.folder / "runs" / f"{place.index:02d}"
     # An earlier attempt at this setting may have been interrupted: its durations would mean nothing.
@@ -48,23 +90,31 @@ def compute(setting: ResumeSetting, place: Place) -> list[Row]:
     draws = generator(place.stream).random((setting.moments, setting.kills))
     rows: list[Row] = []
     for moment in range(setting.moments):
+        report("runs killed", moment, setting.moments)
         out = folder / f"killed-{moment:02d}"
         fraction = (moment + float(draws[moment, 0])) / setting.moments
-        alive = kill_after(command(setting, out, place.seed, setting.jobs), fraction * duration)
+        kill = KILLS[1 + moment % (len(KILLS) - 1)] if setting.whom == PARENT else KILLS[0]
+        first = command(setting, out, place.seed, setting.jobs)
+        alive, survivors = kill_after(first, fraction * duration, kill)
         await_locks(out)
         iterations = sum(max(iterations_of(path), 0) for path in _run_folders(setting, out))
         for again in draws[moment, 1:]:
-            kill_after(command(setting, out, place.seed, setting.resumed_jobs), float(again) * duration)
+            next_one = command(setting, out, place.seed, setting.resumed_jobs)
+            survivors += kill_after(next_one, float(again) * duration, kill)[1]
             await_locks(out)
         _finish(setting, out, place.seed, setting.resumed_jobs)
         same, different = compare(folder / "uninterrupted", out)
+        if not different:
+            shutil.rmtree(out)
         rows.append(
             {
                 "variant": setting.title,
-                "moment": moment,
+                "moment": setting.part * setting.moments + moment,
                 "fraction": fraction,
                 "seconds": fraction * duration,
+                "signal": kill.name,
                 "alive": alive,
+                "survivors": survivors,
                 "iterations": iterations,
                 "files": len(same) + len(different),
                 "differing": " ".join(different),
@@ -75,7 +125,7 @@ def compute(setting: ResumeSetting, place: Place) -> list[Row]:
 
 
 def command(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> list[str]:
-    """Return the command line of a variant."""
+    """Return the arguments of ``relforest`` in a variant."""
     options = {
         "episodes": setting.episodes,
         "iterations": setting.iterations,
@@ -85,20 +135,25 @@ def command(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> list[str
         "out": out,
     }
     words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
-    start = "import sys; from relforest.cli.app import main; sys.exit(main())"
-    return [sys.executable, "-c", start, "learn", TASK, *words]
+    return ["learn", TASK, *words]
 
 
-def kill_after(words: list[str], seconds: float) -> bool:
-    """Start a command, and kill it and all processes that it has started after a while.
+def kill_after(arguments: list[str], seconds: float, kill: Kill) -> tuple[bool, int]:
+    """Start ``relforest`` and kill it after a while.
 
     Returns
     -------
-    bool
+    alive : bool
         Whether it was still running.
+    survivors : int
+        How many of its processes were still running after `LONGEST` seconds; they are killed then.
     """
-    with subprocess.Popen(  # noqa: S603 - our own command line
-        words, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    with start(
+        _RELFOREST,
+        arguments,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     ) as process:
         try:
             process.wait(timeout=seconds)
@@ -107,8 +162,25 @@ def kill_after(words: list[str], seconds: float) -> bool:
         else:
             alive = False
         with suppress(ProcessLookupError):
+            (os.killpg if kill.all_processes else os.kill)(process.pid, kill.signal)
+        limit = time.monotonic() + LONGEST
+        while (survivors := running(process.pid)) and time.monotonic() < limit:
+            time.sleep(_LOOK_SECONDS)
+            process.poll()
+        with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-    return alive
+    return alive, survivors
+
+
+def running(group: int) -> int:
+    """Return how many processes of a group are running, zombies not counted."""
+    count = 0
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        # The name of the program stands in parentheses and may hold anything.
+        with suppress(InputError):
+            state, _, its_group = read_input(status).rpartition(b")")[2].split()[:3]
+            count += int(its_group) == group and state != b"Z"
+    return count
 
 
 def await_locks(out: Path) -> None:
@@ -139,11 +211,14 @@ def compare(folder: Path, other: Path) -> tuple[list[str], list[str]]:
 
 
 def _finish(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> None:
-    words = command(setting, out, seed, jobs)
-    done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603 - our own command line
-    if done.returncode != 0:
+    with start(
+        _RELFOREST, command(setting, out, seed, jobs), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as process:
+        _, errors = process.communicate()
+    if process.returncode != 0:
         raise RelforestError(
-            f"relforest learn failed in {out} with exit status {done.returncode}:\n{done.stderr[-2000:]}"
+            f"relforest learn failed in {out} with exit status {process.returncode}:\n"
+            f"{errors.decode(errors='replace')[-2000:]}"
         )
 
 

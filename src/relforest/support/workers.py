@@ -1,0 +1,223 @@
+"""Processes that end with the one that started them, and a pool of them for independent tasks.
+
+Whatever ends a process, even a signal that it cannot catch, its children notice within `PATIENCE`: a thread
+that begins before anything else is imported asks every few tenths of a second who their parent is.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, Pipe, wait
+from multiprocessing.reduction import ForkingPickler
+from select import select
+from threading import Lock
+from time import monotonic
+from typing import Any, Final, final
+
+from joblib import wrap_non_picklable_objects
+
+from relforest.support.errors import RelforestError
+from relforest.support.progress import Stage, listening, report, report_stage
+
+PATIENCE: Final = 0.2
+"""Seconds between two looks at the parent."""
+
+_FOLLOW: Final = f"""
+import os, sys, threading, time
+def follow(parent):
+    while os.getppid() == parent:
+        time.sleep({PATIENCE})
+    os._exit(1)
+threading.Thread(target=follow, args=(int(sys.argv.pop(1)),), daemon=True).start()
+"""
+_SERVE: Final = """
+from multiprocessing.connection import Connection
+connection = Connection(int(sys.argv[1]))
+sys.path[:] = connection.recv()
+from relforest.support.workers import serve
+serve(connection)
+"""
+_SECONDS_BETWEEN_REPORTS: Final = 0.1
+_SECONDS_TO_END: Final = 2.0
+
+
+def start(
+    code: str,
+    arguments: Sequence[str] = (),
+    **options: Any,  # noqa: ANN401 - as `subprocess.Popen` takes them
+) -> subprocess.Popen[bytes]:
+    """Start this interpreter on a piece of code, in a process that does not outlive this one.
+
+    Parameters
+    ----------
+    code : str
+        May use the modules `os` and `sys`.
+    arguments : sequence of str
+        The process finds them in ``sys.argv[1:]``.
+    **options
+        Of `subprocess.Popen`.
+    """
+    words = [sys.executable, "-c", _FOLLOW + code, str(os.getpid()), *arguments]
+    return subprocess.Popen(words, **options)  # noqa: S603 - our own interpreter
+
+
+def run_in_processes(
+    function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], n_workers: int
+) -> list[Any]:
+    """Call ``function(*task)`` for every task in `n_workers` processes, and return the results in order.
+
+    Whatever a task reports (`relforest.support.progress`) is reported here. An error of a task is raised here
+    at once, and ends the other tasks.
+
+    Raises
+    ------
+    RelforestError
+        If a process ends before its task is done.
+    """
+    results: list[Any] = [None] * len(tasks)
+    waiting = iter(enumerate(tasks))
+    report("starting processes")
+    with _pool(n_workers) as workers:
+        busy: dict[Any, tuple[_Worker, int]] = {}
+
+        def occupy(worker: _Worker) -> None:
+            number, task = next(waiting, (-1, ()))
+            if number >= 0:
+                busy[worker.connection] = worker, number
+                worker.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
+
+        for worker in workers:
+            occupy(worker)
+        while busy:
+            for connection in wait(list(busy)):
+                worker, number = busy[connection]
+                message = worker.take()
+                if isinstance(message, _Report):
+                    report_stage(message.stage)
+                elif isinstance(message, _Failure):
+                    raise message.error
+                else:
+                    results[number] = message.value
+                    del busy[connection]
+                    occupy(worker)
+    return results
+
+
+def serve(connection: Connection) -> None:
+    """Do the tasks that arrive until the other end is closed; the work of a process of the pool."""
+    lock, latest = Lock(), 0.0
+
+    def tell(stage: Stage) -> None:
+        nonlocal latest
+        now = monotonic()
+        with lock:
+            # Reports may get lost; work must not wait for someone who does not read them.
+            if now - latest >= _SECONDS_BETWEEN_REPORTS and select([], [connection], [], 0)[1]:
+                latest = now
+                connection.send(_Report(stage))
+
+    while True:
+        try:
+            function, task = connection.recv()
+        except EOFError:
+            return
+        try:
+            with listening(tell):
+                value = function(*task)
+            message: _Result | _Failure = _Result(value)
+            ForkingPickler.dumps(message)
+        except Exception as error:  # noqa: BLE001 - all of them belong to whoever asked
+            message = _Failure(_portable(error))
+        with lock:
+            connection.send(message)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Report:
+    stage: Stage
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Result:
+    value: Any
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Failure:
+    error: Exception
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Worker:
+    """A process of the pool, and our end of the line to it."""
+
+    process: subprocess.Popen[bytes]
+    connection: Connection
+
+    def give(self, message: object) -> None:
+        try:
+            self.connection.send(message)
+        except ConnectionError:
+            raise self._lost() from None
+
+    def take(self) -> _Report | _Result | _Failure:
+        try:
+            message: _Report | _Result | _Failure = self.connection.recv()
+        except (EOFError, ConnectionError):
+            raise self._lost() from None
+        return message
+
+    def _lost(self) -> RelforestError:
+        status = self.process.wait()
+        how = f"signal {signal.Signals(-status).name}" if status < 0 else f"exit status {status}"
+        remedy = "; if memory is short, use fewer jobs" if status == -signal.SIGKILL else ""
+        return RelforestError(f"a worker process ended with {how} before its task was done{remedy}")
+
+
+@contextmanager
+def _pool(count: int) -> Iterator[list[_Worker]]:
+    with ExitStack() as stack:
+        workers = [stack.enter_context(_worker()) for _ in range(count)]
+        yield workers
+        # The end of the lines ends the processes; all of them while we wait for the first.
+        for worker in workers:
+            worker.connection.close()
+        for worker in workers:
+            with suppress(subprocess.TimeoutExpired):
+                worker.process.wait(_SECONDS_TO_END)
+
+
+@contextmanager
+def _worker() -> Iterator[_Worker]:
+    ours, theirs = Pipe()
+    with ours, theirs:
+        process = start(_SERVE, [str(theirs.fileno())], pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL)
+        theirs.close()
+        try:
+            worker = _Worker(process, ours)
+            worker.give(sys.path)
+            yield worker
+        finally:
+            process.kill()
+            process.wait()
+
+
+def _portable(error: Exception) -> Exception:
+    """Return an error that can be sent, with the traceback of this process as a note."""
+    try:
+        ForkingPickler.loads(ForkingPickler.dumps(error))
+    except Exception:  # noqa: BLE001 - any kind of object may hide in an error
+        error = RelforestError(f"{type(error).__name__}: {error}")
+    error.add_note(f"In a worker process:\n{''.join(traceback.format_exception(error))}")
+    return error
