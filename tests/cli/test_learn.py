@@ -64,13 +64,18 @@ def test_runs_go_to_a_folder_of_their_task(
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (("corridor", "--episodes", "0"), "episodes must be an integer of at least 1, got 0"),
-        (("corridor", "--iterations", "-1"), "iterations must be an integer of at least 1, got -1"),
-        (("corridor", "--runs", "0"), "runs must be an integer of at least 1, got 0"),
+        (("corridor", "--episodes", "0"), "--episodes must be an integer of at least 1, got 0"),
+        (("corridor", "--iterations", "-1"), "--iterations must be an integer of at least 1, got -1"),
+        (("corridor", "--runs", "0"), "--runs must be an integer of at least 1, got 0"),
         (("corridor", "--test-episodes", "0"), "--test-episodes must be an integer of at least 1, got 0"),
-        (("corridor", "--seed", "-3"), "seed must be an integer of at least 0, got -3"),
+        (("corridor", "--seed", "-3"), "--seed must be an integer of at least 0, got -3"),
         (("corridor", "--jobs", "0"), "--jobs must be a positive integer, or -1 for all cores, got 0"),
         (("corridor", "--jobs", "-2"), "--jobs must be a positive integer, or -1 for all cores, got -2"),
+        (("corridor", "--epsilon", "3"), "--epsilon must be a number of at least 0 and of at most 1, got 3"),
+        (("corridor", "--lspi-iterations", "0"), "--lspi-iterations must be an integer of at least 1"),
+        (("corridor", "--sarsa-alpha", "1"), "--sarsa-alpha is an option of Sarsa: leave it out with"),
+        (("keepaway", "--method", "cmac-sarsa", "--rounds", "3"), "--rounds is an option of SMRF-RPI"),
+        (("corridor", "--method", "cmac-sarsa"), "the method for corridor must be one of 'smrf-rpi'"),
     ],
 )
 def test_bad_options_are_one_clear_line(
@@ -108,3 +113,20 @@ def test_an_unknown_task_is_refused_with_those_that_exist(run: CommandLine) -> N
     assert (outcome.code, outcome.out) == (2, "")
     assert "invalid choice 'maze'" in outcome.err
     assert all(f"'{task}'" in outcome.err for task in TASKS)
+
+
+def test_options_of_the_method_are_part_of_the_run(run: CommandLine, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    changed = ("--rounds", "1", "--epsilon", "0.5", "--discount", "0.8", "--no-bootstrapping")
+    assert run("learn", "corridor", *SMALL, *changed, "--out", out).code == 0
+    outcome = run("learn", "corridor", *SMALL, "--out", out)
+    stored = json.loads((out / "run.json").read_text("utf-8"))
+
+    assert stored["settings"]["max_rounds"] == 1
+    assert stored["settings"]["bootstrap_on_truncation"] is False
+    assert stored["discount"] == 0.8
+    assert (
+        json.loads((out / "checkpoint.json").read_text("utf-8"))["configuration"]["world"]["discount"] == 0.8
+    )
+    assert outcome.code == 1
+    assert "settings.epsilon (0.5 there, 0.1 here)" in outcome.err

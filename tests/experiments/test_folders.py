@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from relforest.experiments.folders import Identity, claimed, versions
+from relforest.experiments.folders import claimed, versions
+from relforest.experiments.identity import Identity
 from relforest.support.errors import RunFolderError
 from relforest.support.locks import FolderLock
 

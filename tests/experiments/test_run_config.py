@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from relforest.experiments.run_config import RunConfig
+from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.settings import RPISettings
 from relforest.support.errors import InputError
 
 
@@ -26,6 +29,17 @@ from relforest.support.errors import InputError
             "features must be one of 'densities.bits', 'bits', 'probability', got 'bytes'",
         ),
         ({"method": "guess"}, "method must be one of 'smrf-rpi', 'cmac-sarsa', 'cmac-sarsa-shared', got"),
+        ({"discount": 2.0}, "discount must be a number of at least 0 and of at most 1, got 2.0"),
+        ({"rpi": {"epsilon": 0.1}}, r"rpi must be RPISettings\(...\), got {'epsilon': 0.1}"),
+        ({"sarsa": SarsaSettings()}, "sarsa is not an option of smrf-rpi: leave it out"),
+        (
+            {"task": "keepaway", "method": "cmac-sarsa", "discount": 0.9},
+            "discount is not an option of cmac",
+        ),
+        (
+            {"task": "keepaway", "method": "cmac-sarsa", "rpi": RPISettings()},
+            "rpi is not an option of cmac",
+        ),
         ({"method": "cmac-sarsa"}, "the method for corridor must be one of 'smrf-rpi', got 'cmac-sarsa'"),
     ],
 )
@@ -71,3 +85,24 @@ def test_as_many_test_episodes_as_training_episodes_are_the_default() -> None:
     assert RunConfig("corridor", episodes=10).identity().content == (
         RunConfig("corridor", episodes=10, test_episodes=10).identity().content
     )
+
+
+def test_options_of_the_learner_are_part_of_the_identity() -> None:
+    plain = RunConfig("corridor", rpi=RPISettings(), seed=4)
+    changed = RunConfig("corridor", rpi=RPISettings(max_rounds=3, features="bits"), discount=0.5)
+    team = RunConfig("keepaway", method="cmac-sarsa", sarsa=SarsaSettings(alpha=0.25))
+
+    # Older runs name no discount and no options of Sarsa.
+    assert plain.identity().content == RunConfig("corridor", seed=4).identity().content
+    assert changed.identity().content["settings"]["max_rounds"] == 3
+    assert changed.identity().content["features"] == "bits"
+    assert changed.identity().content["discount"] == 0.5
+    assert team.identity().content["sarsa"]["alpha"] == 0.25
+    assert "sarsa" not in replace(team, sarsa=SarsaSettings()).identity().content
+
+
+def test_features_are_those_asked_for_or_those_of_the_settings() -> None:
+    config = RunConfig("corridor", rpi=RPISettings(features="bits"))
+
+    assert config.settings.features == "bits"
+    assert replace(config, features="probability").settings.features == "probability"

@@ -8,9 +8,10 @@ import pytest
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.experience import BoolArray, Experience
-from relforest.rl.features import FEATURE_MODES, FeatureMode, forest_features, width
+from relforest.rl.features import forest_features, width
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
+from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.rl.value import ValueFunction
 from relforest.scenes import Scenes
 from relforest.scenes.arrays import IntArray

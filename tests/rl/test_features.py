@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from relforest.rl.features import FeatureMode, forest_features, leaf_widths, tree_features, width
+from relforest.rl.features import forest_features, leaf_widths, tree_features, width
+from relforest.rl.settings import FeatureMode
 from relforest.scenes import Scenes
 from relforest.trees import query
 from rl.small_worlds import PICK_SCHEMA, SCHEMA, beside, near

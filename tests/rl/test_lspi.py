@@ -3,7 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relforest.rl.lspi import LSPISettings, lspi
+from relforest.rl.lspi import lspi
+from relforest.rl.settings import LSPISettings
 from relforest.support.errors import InputError
 from rl.linear_problems import Problem, four_states, random_problem, transitions_of
 

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from relforest.rl.checkpoint import METRIC_NAMES
-from relforest.rl.lspi import LSPISettings
 from relforest.rl.rpi import SMRFRPI
-from relforest.rl.settings import RPISettings
+from relforest.rl.settings import LSPISettings, RPISettings
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.locks import FolderLock
 from relforest.worlds.corridor.env import CorridorEnv

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from relforest.rl.lspi import LSPISettings
-from relforest.rl.settings import RPISettings
+from relforest.rl.settings import LSPISettings, RPISettings
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.trees import TreeSettings
 from relforest.volumes import CovAggSettings

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from relforest.rl.action_scenes import action_scenes
-from relforest.rl.features import FEATURE_MODES, FeatureMode, forest_features, width
+from relforest.rl.features import forest_features, width
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
+from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.rl.value import ValueFunction, action_schemas
 from relforest.scenes import Schema
 from relforest.smdp import Decision

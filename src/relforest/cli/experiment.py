@@ -12,7 +12,7 @@ from typing import Annotated, Final, final
 from tyro.conf import Positional, arg
 
 from relforest.cli.early_checks import unknown
-from relforest.cli.progress import note
+from relforest.cli.progress import note, working
 
 _CHOICE: Final = arg(metavar="NAME[,NAME...]", help_behavior_hint="(default: all)")
 
@@ -83,7 +83,7 @@ def experiment(options: ExperimentOptions) -> int:
     out = Path("runs") / default if options.out is None else options.out
     console = Console(stderr=True)
     note(f"{study.name}: {study.question} Results go to {out}.", console)
-    with console.status(study.name):
+    with working(study.name, console):
         findings = run_study(
             study,
             out,

@@ -5,13 +5,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, final
 
-from tyro.conf import Positional, arg
+from tyro.conf import OmitArgPrefixes, Positional, arg
 
-from relforest.cli.progress import iteration_bar, note
+from relforest.cli.early_checks import UsageError, option_name
+from relforest.cli.learner_options import RPIOptions, SarsaOptions, given
+from relforest.cli.progress import note, working
+from relforest.support.progress import Stage
 
 if TYPE_CHECKING:
     from relforest.experiments.run_config import RunConfig
@@ -50,9 +53,6 @@ class LearnOptions:
         Independent runs, each in a folder of its own within the run folder if there are several.
     test_episodes
         Episodes that test the policy after each iteration.
-    features
-        What trees contribute: one bit per leaf, with or without the densities of the questions above it, or
-        one probability per tree; cmac-sarsa has no trees and ignores this.
     seed
         The same seed gives the same result.
     jobs
@@ -60,6 +60,10 @@ class LearnOptions:
         depend on it.
     out
         Run folder.
+    smrf_rpi
+        Only with --method smrf-rpi.
+    sarsa
+        Only with --method cmac-sarsa or cmac-sarsa-shared.
     """
 
     task: Annotated[
@@ -73,50 +77,40 @@ class LearnOptions:
     test_episodes: Annotated[
         int | None, arg(metavar="INT", help_behavior_hint="(default: as many as --episodes)")
     ] = None
-    features: Literal["densities+bits", "bits", "probability"] = "densities+bits"
     seed: int = 0
     jobs: int = 1
     out: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/TASK)")] = None
+    smrf_rpi: OmitArgPrefixes[RPIOptions] = field(default_factory=RPIOptions)
+    sarsa: OmitArgPrefixes[SarsaOptions] = field(default_factory=SarsaOptions)
 
 
 def learn(options: LearnOptions) -> int:
     """Learn as the options say; the exit code is 0."""
     from rich.console import Console
 
-    from relforest.experiments.run_config import RunConfig
-    from relforest.experiments.run_metrics import iterations_of
-    from relforest.experiments.run_pictures import pictures_of
-    from relforest.experiments.runs import learn_runs
-    from relforest.support.options import at_least
-
-    if options.jobs != -1:
-        at_least("jobs", options.jobs, 1)
-    config = RunConfig(
-        options.task,
-        episodes=options.episodes,
-        iterations=options.iterations,
-        runs=options.runs,
-        seed=options.seed,
-        test_episodes=options.test_episodes,
-        features=options.features,
-        method=options.method,
-    )
+    config = _config(options)
     out = Path("runs") / options.task if options.out is None else options.out
     console = Console(stderr=True)
-    several = f"{options.runs} runs of " if options.runs > 1 else ""
-    plural = "s" if options.iterations > 1 else ""
-    note(f"learning {options.task} in {out}: {several}{options.iterations} iteration{plural}", console)
-    with iteration_bar(console) as bar:
+    with working("loading", console) as show:
+        from relforest.experiments.run_metrics import iterations_of
+        from relforest.experiments.run_pictures import pictures_of
+        from relforest.experiments.runs import learn_runs
+
+        several = f"{options.runs} runs of " if options.runs > 1 else ""
+        plural = "s" if options.iterations > 1 else ""
+        note(f"learning {options.task} in {out}: {several}{options.iterations} iteration{plural}", console)
         # Every run has a row more than iterations: the one measured before learning.
         rows = options.runs * (options.iterations + 1)
-        there = sum(iterations_of(folder) + 1 for folder in config.folders(out))
-        task = bar.add_task("iterations", total=rows, completed=there)
+        done = sum(iterations_of(folder) + 1 for folder in config.folders(out))
+        show(Stage("iterations", done, rows))
 
-        def tell(run: int, row: dict[str, Any], seconds: dict[str, float]) -> None:
+        def announce(run: int, row: dict[str, Any], seconds: dict[str, float]) -> None:
+            nonlocal done
+            done += 1
             note(_iteration_line(config, run, row, seconds), console)
-            bar.advance(task)
+            show(Stage("iterations", done, rows))
 
-        folders = learn_runs(config, out, n_jobs=options.jobs, on_iteration=tell)
+        folders = learn_runs(config, out, n_jobs=options.jobs, on_iteration=announce)
     print(_result(config, folders))
     print()
     print(f"run folder: {out}")
@@ -125,10 +119,34 @@ def learn(options: LearnOptions) -> int:
     return 0
 
 
+def _config(options: LearnOptions) -> RunConfig:
+    """Check the options and return what they ask for, before anything heavy is imported."""
+    from relforest.experiments.run_config import RunConfig
+    from relforest.experiments.tasks import task_named
+
+    is_relational = options.method == "smrf-rpi"
+    foreign = given(options.sarsa if is_relational else options.smrf_rpi)
+    if foreign:
+        name, owner = option_name(next(iter(foreign))), "Sarsa" if is_relational else "SMRF-RPI"
+        raise UsageError(f"{name} is an option of {owner}: leave it out with --method {options.method}")
+    return RunConfig(
+        options.task,
+        episodes=options.episodes,
+        iterations=options.iterations,
+        runs=options.runs,
+        seed=options.seed,
+        test_episodes=options.test_episodes,
+        method=options.method,
+        rpi=options.smrf_rpi.settings(task_named(options.task).settings) if is_relational else None,
+        discount=options.smrf_rpi.discount,
+        sarsa=None if is_relational else options.sarsa.settings(),
+    )
+
+
 def _iteration_line(config: RunConfig, run: int, row: dict[str, Any], seconds: dict[str, float]) -> str:
     name = f"run {run}, " if config.runs > 1 else ""
     time = f", {sum(seconds.values()):.1f} s" if seconds else ""
-    counts = f", {row['trees']} trees, {row['leaves']} leaves" if config.method == "smrf-rpi" else ""
+    counts = f", {row['trees']} trees, {row['leaves']} leaves" if config.is_relational else ""
     return f"{name}iteration {row['iteration']}: test reward {row['test_reward']:.3f}{counts}{time}"
 
 
@@ -140,7 +158,7 @@ def _result(config: RunConfig, folders: list[Path]) -> str:
     from relforest.rl.checkpoint import METRIC_NAMES
 
     # Trees and leaves are of SMRF-RPI only.
-    has_trees = config.method == "smrf-rpi"
+    has_trees = config.is_relational
     names = METRIC_NAMES if has_trees else METRIC_NAMES[:3]
     first = run_report(folders[0]) if has_trees else metrics_table(metrics_of(folders[0]), names)
     if config.runs == 1:

@@ -9,12 +9,12 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 from relforest import __version__
+from relforest.experiments.identity import Identity
 from relforest.rl.configuration import differences
 from relforest.support.errors import ModelFormatError, RunFolderError
 from relforest.support.files import is_temporary, read_json, remove_temporary_files, write_json
@@ -23,29 +23,6 @@ from relforest.support.locks import FolderLock
 VERSION: Final = 1
 
 _LOCK: Final = ".lock"
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Identity:
-    """What the content of a folder depends on.
-
-    Parameters
-    ----------
-    file : str
-        Name of the file that holds it, such as ``"run.json"``.
-    format : str
-        The format that the file names, such as ``"relforest-run"``.
-    content : mapping
-        Plain JSON values: everything that the results depend on, apart from the versions of the software.
-    growing : str, optional
-        A number in the content that may be raised later.
-    """
-
-    file: str
-    format: str
-    content: Mapping[str, Any]
-    growing: str | None = None
 
 
 @contextmanager

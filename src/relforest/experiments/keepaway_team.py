@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from relforest.rl.peers import SarsaLambda, SarsaSettings, TileCoding, make_team
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, seed_sequence, stream
 from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, advance
 from relforest.worlds.keepaway.games import new_games
@@ -100,6 +101,7 @@ def play_episodes_with(
     games, work = new_games(setup, [seed]), new_work(setup)
     durations = np.empty(at_least("episodes", episodes, 1), dtype=np.int64)
     for episode in range(episodes):
+        report("episodes", episode, episodes)
         if episode > 0:
             place(games, 0, setup)
         _play_episode(team, games, setup, work)

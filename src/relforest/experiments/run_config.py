@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
-from relforest.experiments.folders import Identity
+from relforest.experiments.identity import Identity
 from relforest.experiments.tasks import METHODS, Method, Task, task_named
-from relforest.rl.features import FEATURE_MODES, FeatureMode
-from relforest.rl.settings import RPISettings
-from relforest.support.options import at_least, one_of
+from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.settings import FEATURE_MODES, FeatureMode, RPISettings
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range, one_of
+
+if TYPE_CHECKING:
+    import gymnasium
 
 RUN: Final = "run.json"
 FORMAT: Final = "relforest-run"
@@ -35,15 +39,22 @@ class RunConfig:
         At least 0. Run ``k`` uses stream ``k`` of it, so one run is the first of many with the same seed.
     test_episodes : int, optional
         Test episodes after each iteration. Default: as many as `episodes`.
-    features : {"densities+bits", "bits", "probability"}
-        What a tree contributes to the features, for SMRF-RPI.
+    features : {"densities+bits", "bits", "probability"}, optional
+        What a tree contributes to the features, for SMRF-RPI. Default: as in `rpi`.
     method : {"smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"}
         How to learn, see `relforest.experiments.tasks.METHODS`.
+    rpi : RPISettings, optional
+        Options of SMRF-RPI. Default: those of the task.
+    discount : float, optional
+        Discount factor of the world, 0 to 1, for SMRF-RPI. Default: the world's own.
+    sarsa : SarsaSettings, optional
+        Options of Sarsa. Default: those of the keepaway benchmark.
 
     Raises
     ------
     InputError
-        If an option is out of its range, or the task cannot be learned with this method.
+        If an option is out of its range or belongs to another method, or the task cannot be learned with this
+        method.
     """
 
     task: str
@@ -52,8 +63,11 @@ class RunConfig:
     runs: int = 1
     seed: int = 0
     test_episodes: int | None = None
-    features: FeatureMode = "densities+bits"
+    features: FeatureMode | None = None
     method: Method = "smrf-rpi"
+    rpi: RPISettings | None = None
+    discount: float | None = None
+    sarsa: SarsaSettings | None = None
 
     def __post_init__(self) -> None:
         task_named(self.task)
@@ -62,14 +76,29 @@ class RunConfig:
         at_least("seed", self.seed, 0)
         if self.test_episodes is not None:
             at_least("test_episodes", self.test_episodes, 1)
-        one_of("features", self.features, FEATURE_MODES)
+        if self.features is not None:
+            one_of("features", self.features, FEATURE_MODES)
+        if self.discount is not None:
+            in_range("discount", self.discount, 0.0, 1.0)
+        for name, kind in (("rpi", RPISettings), ("sarsa", SarsaSettings)):
+            if not isinstance(getattr(self, name), kind | None):
+                raise InputError(f"{name} must be {kind.__name__}(...), got {getattr(self, name)!r}")
         one_of("method", self.method, METHODS)
         one_of(f"the method for {self.task}", self.method, tuple(self.definition.pictures))
+        foreign = ("sarsa",) if self.is_relational else ("features", "rpi", "discount")
+        for name in foreign:
+            if getattr(self, name) is not None:
+                raise InputError(f"{name} is not an option of {self.method}: leave it out")
 
     @property
     def definition(self) -> Task:
         """The task itself."""
         return task_named(self.task)
+
+    @property
+    def is_relational(self) -> bool:
+        """Whether trees are learned, by SMRF-RPI."""
+        return self.method == "smrf-rpi"
 
     @property
     def is_shared(self) -> bool:
@@ -78,8 +107,13 @@ class RunConfig:
 
     @property
     def settings(self) -> RPISettings:
-        """Options of the learner: those of the task, with the features asked for."""
-        return replace(self.definition.settings, features=self.features)
+        """Options of SMRF-RPI: those asked for, or those of the task."""
+        settings = self.definition.settings if self.rpi is None else self.rpi
+        return settings if self.features is None else replace(settings, features=self.features)
+
+    def make(self) -> gymnasium.Env[Any, Any]:
+        """Return a new environment."""
+        return self.definition.make(self.discount)
 
     def folders(self, out: Path) -> list[Path]:
         """Return the folder of each run: `out` itself for a single one, else ``out/run-00`` and so on."""
@@ -96,10 +130,14 @@ class RunConfig:
             "runs": self.runs,
             "seed": self.seed,
         }
-        if self.method == "smrf-rpi":
+        if self.is_relational:
             settings = self.settings.to_dict()
-            del settings["features"]
-            content |= {"features": self.features, "settings": settings}
+            content |= {"features": settings.pop("features"), "settings": settings}
+        # Only where they differ from the default, because older runs do not name them.
+        if self.discount is not None:
+            content["discount"] = float(self.discount)
+        if self.sarsa not in (None, SarsaSettings()):
+            content["sarsa"] = self.sarsa.to_dict()
         if run is not None and self.runs > 1:
             content["run"] = run
         return Identity(RUN, FORMAT, content, growing="iterations")

@@ -10,6 +10,7 @@ from relforest.experiments.run_metrics import checkpoint_of, metrics_of
 from relforest.reports.figure_files import save_figure
 from relforest.reports.learning_figure import reward_figure
 from relforest.support.parallel import one_blas_thread
+from relforest.support.progress import report
 
 REWARD: Final = "reward.png"
 
@@ -35,13 +36,15 @@ def draw_runs(config: RunConfig, out: Path) -> list[Path]:
     folders, task = config.folders(out), config.definition
     reward = out / REWARD
     if _is_stale(reward, folders):
+        report(f"drawing {REWARD}")
         runs = [metrics_of(folder) for folder in folders]
         title = f"{task.name}, {config.episodes} episodes per iteration"
         save_figure(reward_figure({task.name: runs}, title=title, optimum=task.optimum), reward)
     learned = task.pictures[config.method]
     if learned is not None and _is_stale(out / learned.name, folders[:1]):
+        report(f"drawing {learned.name}")
         with one_blas_thread():
-            figure = learned.draw(folders[0], task.make())
+            figure = learned.draw(folders[0], config.make())
         save_figure(figure, out / learned.name)
     return pictures_of(config, out)
 

@@ -15,7 +15,8 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
-from relforest.experiments.folders import Identity, claimed
+from relforest.experiments.folders import claimed
+from relforest.experiments.identity import Identity
 from relforest.experiments.study import Obstacle, Place, Setting, Study, chosen_settings
 from relforest.experiments.table import Row, Table
 from relforest.experiments.watching import watching
@@ -24,6 +25,7 @@ from relforest.support.errors import InputError, ModelFormatError, RunFolderErro
 from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
 from relforest.support.options import at_least
 from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
+from relforest.support.progress import part, report
 
 S = TypeVar("S", bound=Setting)
 
@@ -115,6 +117,7 @@ def run_study(
 
 def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -> Findings:
     """Write everything that is derived from the rows."""
+    report("summarizing")
     write_text(folder / "rows.csv", table.to_csv())
     findings = study.summarize(table)
     if notes:
@@ -122,18 +125,20 @@ def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -
     write_text(folder / "summary.txt", f"{findings}\n")
     for name, text in findings.documents.items():
         write_text(folder / name, text)
+    report("drawing the figures")
     for name, figure in study.figures(table).items():
         save_figure(figure, folder / name)
     return findings
 
 
 def _warm_up(study: Study[S]) -> None:
-    with TemporaryDirectory() as folder, one_blas_thread():
+    with TemporaryDirectory() as folder, one_blas_thread(), part("first a small setting"):
         study.compute(study.smoke[0], Place(0, 0, Path(folder)))
 
 
 def _run_setting(compute: Callable[[S, Place], list[Row]], setting: S, place: Place, file: Path) -> None:
-    rows = compute(setting, place)
+    with part(str(setting)):
+        rows = compute(setting, place)
     header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
     write_json(file, {**header, "setting": _plain(setting), "rows": rows})
 

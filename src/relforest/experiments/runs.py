@@ -23,6 +23,7 @@ from relforest.experiments.sarsa_runs import learn_sarsa_run
 from relforest.experiments.watching import watching
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.parallel import checked_jobs, run_tasks
+from relforest.support.progress import part
 from relforest.support.rng import seed_sequence, stream
 
 OnIteration: TypeAlias = Callable[[int, dict[str, Any], dict[str, float]], None]
@@ -102,11 +103,11 @@ def learn_run(
     identity = config.identity(run)
     with claimed(folder, identity, is_finished=lambda: _is_finished(config, [folder])):
         pass
-    if config.method != "smrf-rpi":
+    if not config.is_relational:
         learn_sarsa_run(config, run, folder, report)
         return
     agent = SMRFRPI(
-        config.definition.make(),
+        config.make(),
         settings=config.settings,
         random_state=stream(seed_sequence(config.seed), run),
         n_jobs=n_jobs,
@@ -117,12 +118,13 @@ def learn_run(
 
 def warm_up(config: RunConfig) -> None:
     """Compile everything that learning needs, so that processes started later find it in the cache."""
-    if config.method == "smrf-rpi":
-        agent = SMRFRPI(config.definition.make(), settings=config.settings, random_state=0)
-        agent.learn(1, 20, test_episodes=1)
-    else:
-        with TemporaryDirectory() as folder:
-            learn_sarsa_run(replace(config, episodes=1, iterations=1), 0, Path(folder))
+    with part("first a small run"):
+        if config.is_relational:
+            agent = SMRFRPI(config.make(), settings=config.settings, random_state=0)
+            agent.learn(1, 20, test_episodes=1)
+        else:
+            with TemporaryDirectory() as folder:
+                learn_sarsa_run(replace(config, episodes=1, iterations=1), 0, Path(folder))
 
 
 def _learn_many(
@@ -132,13 +134,21 @@ def _learn_many(
     unfinished = [(run, folder) for run, folder in tasks if not _is_finished(config, [folder])]
     if n_jobs == 1 or len(unfinished) < 2:
         for run, folder in tasks:
-            learn_run(config, run, folder, on_iteration=on_iteration)
+            _learn_named(config, run, folder, on_iteration)
         return
     warm_up(config)
     with watching(_announcer(dict(unfinished), on_iteration)):
         run_tasks(
-            learn_run, [(config, run, folder) for run, folder in tasks], n_jobs=n_jobs, prefer="processes"
+            _learn_named,
+            [(config, run, folder, None) for run, folder in tasks],
+            n_jobs=n_jobs,
+            prefer="processes",
         )
+
+
+def _learn_named(config: RunConfig, run: int, folder: Path, on_iteration: OnIteration | None) -> None:
+    with part(f"run {run}"):
+        learn_run(config, run, folder, on_iteration=on_iteration)
 
 
 def _is_finished(config: RunConfig, folders: list[Path]) -> bool:

@@ -19,6 +19,7 @@ from relforest.experiments.sarsa_folder import (
 from relforest.rl.checkpoint import TIMINGS
 from relforest.support.files import append_line
 from relforest.support.locks import FolderLock
+from relforest.support.progress import part
 from relforest.support.rng import seed_sequence, stream
 from relforest.worlds.keepaway.options import KeepawayOptions
 
@@ -65,14 +66,18 @@ def learn_sarsa_run(
             begin = perf_counter()
             if number == 0:
                 trained = None
-                team = benchmark_team(rules, shared=config.is_shared, random_state=stream(seed, _AGENTS))
+                team = benchmark_team(
+                    rules, config.sarsa, shared=config.is_shared, random_state=stream(seed, _AGENTS)
+                )
             else:
                 team = read_agents(folder, number - 1, stream(seed, _AGENTS))
-                played = play_episodes_with(team, rules, config.episodes, stream(seed, _TRAINING))
+                with part(f"iteration {number}, training"):
+                    played = play_episodes_with(team, rules, config.episodes, stream(seed, _TRAINING))
                 trained = float(played.mean())
             learned = perf_counter()
             seed_of_tests = stream(seed, _TESTING)
-            tested = play_episodes_with(frozen(team, seed_of_tests), rules, test_episodes, seed_of_tests)
+            with part(f"iteration {number}, testing"):
+                tested = play_episodes_with(frozen(team, seed_of_tests), rules, test_episodes, seed_of_tests)
             measured = perf_counter()
             row = {
                 "iteration": number,

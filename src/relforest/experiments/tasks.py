@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Literal, TypeAlias, final, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final, get_args
 
-import gymnasium
-from matplotlib.figure import Figure
-
-from relforest.experiments.corridor_picture import q_function_picture
-from relforest.experiments.keepaway_picture import agent_policy_map, team_policy_map
 from relforest.rl.settings import RPISettings
-from relforest.support.options import one_of
-from relforest.worlds import environment_id
+from relforest.support.options import in_range, one_of
+
+if TYPE_CHECKING:
+    import gymnasium
+    from matplotlib.figure import Figure
 
 Method: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)
@@ -31,12 +30,19 @@ class Picture:
     ----------
     name : str
         Name of its file.
-    draw : callable
-        From the folder of a run and a new environment to the figure.
+    source : str
+        The module and the function that turn the folder of a run and a new environment into the figure,
+        imported when it is drawn.
     """
 
     name: str
-    draw: Callable[[Path, gymnasium.Env[Any, Any]], Figure]
+    source: str
+
+    def draw(self, folder: Path, env: gymnasium.Env[Any, Any]) -> Figure:
+        """Draw what the run in a folder has learned."""
+        module, _, name = self.source.rpartition(".")
+        function: Callable[[Path, gymnasium.Env[Any, Any]], Figure] = getattr(import_module(module), name)
+        return function(folder, env)
 
 
 @final
@@ -67,17 +73,34 @@ class Task:
     optimum: float | None = None
     pictures: Mapping[Method, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
 
-    def make(self) -> gymnasium.Env[Any, Any]:
-        """Return a new environment."""
+    def make(self, discount: float | None = None) -> gymnasium.Env[Any, Any]:
+        """Return a new environment, with a discount factor other than its own if one is given.
+
+        Raises
+        ------
+        InputError
+            If the discount is not between 0 and 1.
+        """
+        # Heavy, and a task is looked up before it is made.
+        import gymnasium  # noqa: PLC0415
+
+        from relforest.worlds import environment_id  # noqa: PLC0415
+
         # The checker looks at every step of every episode; `relforest.testing` does that once.
-        return gymnasium.make(environment_id(self.world), disable_env_checker=True, **self.options)
+        env: gymnasium.Env[Any, Any] = gymnasium.make(
+            environment_id(self.world), disable_env_checker=True, **self.options
+        )
+        if discount is not None:
+            vars(env.unwrapped)["discount"] = in_range("discount", discount, 0.0, 1.0)
+        return env
 
 
+_PICTURES: Final = "relforest.experiments"
 _KEEPAWAY_PICTURES: Final[Mapping[Method, Picture]] = MappingProxyType(
     {
-        "smrf-rpi": Picture("policy-map.png", agent_policy_map),
-        "cmac-sarsa": Picture("policy-map.png", team_policy_map),
-        "cmac-sarsa-shared": Picture("policy-map.png", team_policy_map),
+        "smrf-rpi": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
+        "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
+        "cmac-sarsa-shared": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
     }
 )
 
@@ -89,7 +112,9 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                 "corridor",
                 "corridor",
                 optimum=8.69,
-                pictures={"smrf-rpi": Picture("q-function.png", q_function_picture)},
+                pictures={
+                    "smrf-rpi": Picture("q-function.png", f"{_PICTURES}.corridor_picture.q_function_picture")
+                },
             ),
             Task(
                 "keepaway",

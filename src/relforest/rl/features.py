@@ -6,18 +6,16 @@ Letters: n scenes, k columns.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Literal
 
 import numpy as np
 
+from relforest.rl.settings import FeatureMode
 from relforest.scenes import Scenes
 from relforest.scenes.arrays import FloatArray
 from relforest.trees import Answers, Tree, query
 
-FeatureMode = Literal["densities+bits", "bits", "probability"]
 LeafMode = Literal["densities+bits", "bits"]
-
-FEATURE_MODES: Final[tuple[FeatureMode, ...]] = ("densities+bits", "bits", "probability")
 
 
 def leaf_widths(tree: Tree, mode: LeafMode) -> tuple[int, ...]:

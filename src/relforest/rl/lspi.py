@@ -12,40 +12,11 @@ import numpy as np
 from relforest.rl.bellman import Lookahead, look_ahead
 from relforest.rl.lstdq import LSTDQ
 from relforest.rl.samples import Transitions
+from relforest.rl.settings import LSPISettings
 from relforest.scenes.arrays import FloatArray, IntArray
-from relforest.support.options import at_least, in_range
+from relforest.support.progress import report
 
 Reason = Literal["converged", "cycle", "limit"]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class LSPISettings:
-    """Options of policy iteration.
-
-    Parameters
-    ----------
-    epsilon : float
-        Stop when the weights change by less than this (Euclidean norm).
-    max_iterations : int
-        Stop after so many policies have been evaluated.
-    max_condition : float
-        Largest condition number of the matrix A of LSTDQ.
-
-    Raises
-    ------
-    InputError
-        If an option is out of its range.
-    """
-
-    epsilon: float = 1e-6
-    max_iterations: int = 50
-    max_condition: float = 1e5
-
-    def __post_init__(self) -> None:
-        in_range("epsilon of LSPI", self.epsilon, 0.0, np.inf, open_low=True, open_high=True)
-        at_least("max_iterations of LSPI", self.max_iterations, 1)
-        in_range("max_condition of LSPI", self.max_condition, 1.0, np.inf, open_low=True, open_high=True)
 
 
 @final
@@ -109,6 +80,7 @@ def lspi(
     seen: set[bytes] = set()
     reason: Reason = "limit"
     while len(seen) < settings.max_iterations:
+        report("policy iteration", len(seen), settings.max_iterations)
         policy = _fingerprint(ahead.chosen)
         seen.add(policy)
         improved = problem.solve(ahead.chosen)

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from relforest.rl.features import FeatureMode
+from relforest.rl.settings import FeatureMode
 from relforest.rl.value import ValueFunction
 from relforest.scenes import Schema
 from relforest.scenes.arrays import FloatArray

@@ -12,6 +12,7 @@ from relforest.rl.recorder import Recorder
 from relforest.smdp import World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
+from relforest.support.progress import report
 from relforest.support.rng import generator, stream
 
 _RESET, _CHOICES = 0, 1
@@ -83,6 +84,7 @@ def rollout(
     recorder = Recorder(world.schema.width, max((kind.arity for kind in world.action_types), default=0))
     first = at_least("first", first, 0)
     for episode in range(first, first + at_least("episodes", episodes, 1)):
+        report("episodes", episode - first, episodes)
         # 32 bits, because worlds written in other languages may take no more.
         env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
         _play(env, world, policy, generator(stream(seed, episode, _CHOICES)), recorder)

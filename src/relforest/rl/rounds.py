@@ -23,6 +23,7 @@ from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.parallel import run_tasks
+from relforest.support.progress import part, report
 from relforest.support.rng import generator, stream
 from relforest.trees import Tree, query
 from relforest.trees.growth import Growth, grow
@@ -106,6 +107,7 @@ def improve(
     ----------
     Palmer (2015), Algorithm 6.1 (the RPI loop).
     """
+    report("features of the trees so far")
     tables = tuple(
         forest_features(trees, scenes, value.features)
         for trees, scenes in zip(value.forests, samples.scenes, strict=True)
@@ -116,7 +118,8 @@ def improve(
     forests = value.forests
     for number in range(settings.max_rounds):
         now = _Round(samples, settings, tables, policy, error_labels(errors, samples.latest.types))
-        added = _select(now, _candidates(now, stream(seed, number), n_jobs))
+        with part(f"round {number + 1}"):
+            added = _select(now, _candidates(now, stream(seed, number), n_jobs))
         if not any(added):
             break
         forests = tuple(
@@ -140,7 +143,8 @@ def _candidates(now: _Round, seed: np.random.SeedSequence, n_jobs: int) -> list[
         if now.labels[own].any():
             attempts = range(now.settings.n_candidates)
             tasks += [(now, kind, own, attempt, stream(seed, kind, attempt)) for attempt in attempts]
-    found = run_tasks(_candidate, tasks, n_jobs=n_jobs, prefer="threads")
+    named = [(f"tree {number} of {len(tasks)}", *task) for number, task in enumerate(tasks, 1)]
+    found = run_tasks(_candidate, named, n_jobs=n_jobs, prefer="threads")
     candidates: list[list[Candidate]] = [[] for _ in range(n_types)]
     for task, candidate in zip(tasks, found, strict=True):
         if candidate is not None:
@@ -149,9 +153,16 @@ def _candidates(now: _Round, seed: np.random.SeedSequence, n_jobs: int) -> list[
 
 
 def _candidate(
-    now: _Round, kind: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
+    name: str, now: _Round, kind: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
 ) -> Candidate | None:
     """Learn one tree on a random part of the latest batch and test it; None for a stub."""
+    with part(name):
+        return _learned(now, kind, own, attempt, seed)
+
+
+def _learned(
+    now: _Round, kind: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
+) -> Candidate | None:
     settings, scenes = now.settings, now.samples.scenes[kind]
     count = min(settings.max_scenes, len(own))
     drawn = generator(stream(seed, _SCENES)).choice(own, count, replace=False)
@@ -166,6 +177,7 @@ def _candidate(
     )
     if growth.tree.is_stub:
         return None
+    report("testing the tree")
     columns = tree_features(growth.tree, query(growth.tree, scenes), settings.features)
     fit = _tested(now, kind, columns) if settings.wrapper else None
     return Candidate(growth, columns, fit)

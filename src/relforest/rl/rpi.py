@@ -27,6 +27,7 @@ from relforest.support.files import append_line
 from relforest.support.locks import FolderLock
 from relforest.support.options import at_least
 from relforest.support.parallel import checked_jobs, one_blas_thread
+from relforest.support.progress import part, printed_to_stderr, report
 from relforest.support.rng import RandomState, seed_sequence, stream
 
 _TRAINING, _TESTING, _SAMPLING, _LEARNING = 0, 1, 2, 3
@@ -70,6 +71,9 @@ class SMRFRPI:
     checkpoint : path, optional
         A run folder. Every iteration is written to it, and a run that was interrupted there is taken up where
         it stopped, with the same result.
+    verbose : bool
+        Print the stage of the work to standard error, at most one line a second. `relforest.listening` passes
+        the same reports to a function.
 
     Raises
     ------
@@ -96,7 +100,10 @@ class SMRFRPI:
         random_state: RandomState = None,
         n_jobs: int = 1,
         checkpoint: str | os.PathLike[str] | None = None,
+        verbose: bool = False,
     ) -> None:
+        if not isinstance(verbose, bool):
+            raise InputError(f"verbose must be True or False, got {verbose!r}")
         if settings is not None and not isinstance(settings, RPISettings):
             raise InputError(f"settings must be RPISettings(...), got {settings!r}")
         checked_jobs(n_jobs)
@@ -104,6 +111,7 @@ class SMRFRPI:
         self.env = env
         self.settings = settings or RPISettings()
         self.n_jobs = n_jobs
+        self.verbose = verbose
         self._seed = seed_sequence(random_state)
         self._adopts_seed = random_state is None
         self._folder = None if checkpoint is None else RunFolder(checkpoint)
@@ -169,7 +177,7 @@ class SMRFRPI:
         iterations = at_least("iterations", iterations, 1)
         episodes = at_least("episodes", episodes, 1)
         test_episodes = episodes if test_episodes is None else at_least("test_episodes", test_episodes, 1)
-        with one_blas_thread():
+        with printed_to_stderr(self.verbose), one_blas_thread():
             if self._folder is None:
                 self._configuration = describe_run(
                     self.env, self.settings, self._seed, (episodes, test_episodes)
@@ -199,7 +207,7 @@ class SMRFRPI:
             If the world has other attributes or action types.
         """
         check_world(self._progress.value, env)
-        with one_blas_thread():
+        with printed_to_stderr(self.verbose), one_blas_thread():
             played = rollout(env, GreedyPolicy(self._progress.value), episodes, seed_sequence(seed))
         return Evaluation(played.episode_rewards, played.episode_durations)
 
@@ -288,9 +296,10 @@ class SMRFRPI:
         while self._progress.iteration < iterations:
             number = self._progress.iteration + 1
             begin = perf_counter()
-            progress = self._progress if number == 0 else self._iterate(number, episodes)
-            learned = perf_counter()
-            progress = self._measure(progress, number, test_episodes)
+            with part(f"iteration {number}"):
+                progress = self._progress if number == 0 else self._iterate(number, episodes)
+                learned = perf_counter()
+                progress = self._measure(progress, number, test_episodes)
             tested = perf_counter()
             if self._folder is not None and self._configuration is not None:
                 self._folder.write(progress, self._configuration)
@@ -313,7 +322,9 @@ class SMRFRPI:
         policy: Policy = RandomPolicy()
         if number > 1:
             policy = EpsilonGreedyPolicy(GreedyPolicy(before.value), settings.epsilon)
-        batches = (*before.batches, rollout(self.env, policy, episodes, stream(seed, _TRAINING)))
+        with part("training"):
+            batches = (*before.batches, rollout(self.env, policy, episodes, stream(seed, _TRAINING)))
+        report("collecting samples")
         samples = draw_samples(
             batches,
             action_schemas(world.schema, world.action_types),
@@ -336,7 +347,8 @@ class SMRFRPI:
     def _measure(self, progress: Progress, number: int, test_episodes: int) -> Progress:
         """Append the row of an iteration, with test episodes of its own."""
         seed = stream(self._seed, number, _TESTING)
-        tested = rollout(self.env, GreedyPolicy(progress.value), test_episodes, seed)
+        with part("testing"):
+            tested = rollout(self.env, GreedyPolicy(progress.value), test_episodes, seed)
         trained = progress.batches[-1].episode_rewards if number > 0 else None
         row = {
             "iteration": number,

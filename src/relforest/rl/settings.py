@@ -2,20 +2,52 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
-from typing import TYPE_CHECKING, Any, TypeVar, final, get_type_hints
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, final, get_type_hints
 
-from relforest.rl.features import FEATURE_MODES, FeatureMode
-from relforest.rl.lspi import LSPISettings
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, in_range, one_of
-from relforest.trees.growth import TreeSettings
+from relforest.trees.settings import TreeSettings
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 Options = TypeVar("Options", bound="DataclassInstance")
+
+FeatureMode = Literal["densities+bits", "bits", "probability"]
+FEATURE_MODES: Final[tuple[FeatureMode, ...]] = ("densities+bits", "bits", "probability")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LSPISettings:
+    """Options of policy iteration.
+
+    Parameters
+    ----------
+    epsilon : float
+        Stop when the weights change by less than this (Euclidean norm).
+    max_iterations : int
+        Stop after so many policies have been evaluated.
+    max_condition : float
+        Largest condition number of the matrix A of LSTDQ.
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    epsilon: float = 1e-6
+    max_iterations: int = 50
+    max_condition: float = 1e5
+
+    def __post_init__(self) -> None:
+        in_range("epsilon of LSPI", self.epsilon, 0.0, math.inf, open_low=True, open_high=True)
+        at_least("max_iterations of LSPI", self.max_iterations, 1)
+        in_range("max_condition of LSPI", self.max_condition, 1.0, math.inf, open_low=True, open_high=True)
 
 
 @final

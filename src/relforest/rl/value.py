@@ -13,8 +13,9 @@ from typing import final
 
 import numpy as np
 
-from relforest.rl.features import FEATURE_MODES, FeatureMode, forest_features, leaf_widths, width
+from relforest.rl.features import forest_features, leaf_widths, width
 from relforest.rl.kernels import ForestArrays, forest_values
+from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.smdp import ActionType, Decision

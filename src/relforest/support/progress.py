@@ -31,12 +31,15 @@ class Stage:
         Steps completed, and how many there are; None where that is unknown.
     within : tuple of str
         The parts of the work that the stage belongs to, the largest first, such as ``("run 0", "round 2")``.
+    source : int
+        Number of the worker process that reports; 0 is the process itself.
     """
 
     name: str
     done: int | None = None
     total: int | None = None
     within: tuple[str, ...] = ()
+    source: int = 0
 
     def __str__(self) -> str:
         """Return the stage on one line."""

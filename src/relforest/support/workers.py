@@ -13,7 +13,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, Pipe, wait
 from multiprocessing.reduction import ForkingPickler
 from select import select
@@ -89,9 +89,11 @@ def run_in_processes(
 
         def occupy(worker: _Worker) -> None:
             number, task = next(waiting, (-1, ()))
-            if number >= 0:
-                busy[worker.connection] = worker, number
-                worker.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
+            if number < 0:
+                report_stage(Stage("waiting for the others", source=worker.number))
+                return
+            busy[worker.connection] = worker, number
+            worker.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
 
         for worker in workers:
             occupy(worker)
@@ -100,7 +102,7 @@ def run_in_processes(
                 worker, number = busy[connection]
                 message = worker.take()
                 if isinstance(message, _Report):
-                    report_stage(message.stage)
+                    report_stage(replace(message.stage, source=worker.number))
                 elif isinstance(message, _Failure):
                     raise message.error
                 else:
@@ -112,16 +114,17 @@ def run_in_processes(
 
 def serve(connection: Connection) -> None:
     """Do the tasks that arrive until the other end is closed; the work of a process of the pool."""
-    lock, latest = Lock(), 0.0
+    lock, latest, before = Lock(), 0.0, Stage("")
 
     def tell(stage: Stage) -> None:
-        nonlocal latest
-        now = monotonic()
+        nonlocal latest, before
+        now, is_news = monotonic(), (stage.within, stage.name) != (before.within, before.name)
         with lock:
             # Reports may get lost; work must not wait for someone who does not read them.
-            if now - latest >= _SECONDS_BETWEEN_REPORTS and select([], [connection], [], 0)[1]:
-                latest = now
-                connection.send(_Report(stage))
+            if is_news or now - latest >= _SECONDS_BETWEEN_REPORTS:
+                latest, before = now, stage
+                if select([], [connection], [], 0)[1]:
+                    connection.send(_Report(stage))
 
     while True:
         try:
@@ -160,8 +163,9 @@ class _Failure:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Worker:
-    """A process of the pool, and our end of the line to it."""
+    """A process of the pool, numbered from 1, and our end of the line to it."""
 
+    number: int
     process: subprocess.Popen[bytes]
     connection: Connection
 
@@ -188,7 +192,7 @@ class _Worker:
 @contextmanager
 def _pool(count: int) -> Iterator[list[_Worker]]:
     with ExitStack() as stack:
-        workers = [stack.enter_context(_worker()) for _ in range(count)]
+        workers = [stack.enter_context(_worker(number)) for number in range(1, count + 1)]
         yield workers
         # The end of the lines ends the processes; all of them while we wait for the first.
         for worker in workers:
@@ -199,13 +203,13 @@ def _pool(count: int) -> Iterator[list[_Worker]]:
 
 
 @contextmanager
-def _worker() -> Iterator[_Worker]:
+def _worker(number: int) -> Iterator[_Worker]:
     ours, theirs = Pipe()
     with ours, theirs:
         process = start(_SERVE, [str(theirs.fileno())], pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL)
         theirs.close()
         try:
-            worker = _Worker(process, ours)
+            worker = _Worker(number, process, ours)
             worker.give(sys.path)
             yield worker
         finally:

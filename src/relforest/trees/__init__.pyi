@@ -1,7 +1,8 @@
 from .estimator import Explanation, SMRFTreeClassifier, explain
-from .growth import Growth, TreeSettings, grow
+from .growth import Growth, grow
 from .inference import Answers, query
 from .nodes import Instantiation, Leaf, Node, Question
+from .settings import TreeSettings
 from .tree import Tree
 
 __all__ = [

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol, final
 
 import numpy as np
 
+from relforest.support.progress import report
 from relforest.trees.expansions import Expansion, expansions
 from relforest.trees.kernels import ERROR, NO, YES, answer_tuples
 from relforest.trees.nodes import Leaf, Question
@@ -14,7 +15,8 @@ from relforest.trees.packing import pack
 from relforest.trees.probabilities import Assignment, assign
 from relforest.trees.sequences import Sequences, n_extensions, rows_of
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
-from relforest.volumes import CovAggSettings, Volume, aggregate
+from relforest.volumes import Volume, aggregate
+from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -175,6 +177,7 @@ def prepare(
     extended = [at_leaf]
     left_out = 0
     for expansion in expansions(mappings, at_leaf.depth, scenes.schema.n_parameters):
+        report("expansions prepared", len(prepared))
         # Step by step: there may be no expansion with fewer new variables, if no mapping takes so few.
         while len(extended) <= expansion.n_new and not _too_many(extended[-1], scenes, places, max_points):
             extended.append(extended[-1].extended(scenes.counts, places))
@@ -202,7 +205,8 @@ def best_candidate(
     """The most significant volume over all questions and attempts; None if no volume separates anything."""
     best: Candidate | None = None
     n_tried = 0
-    for question in questions:
+    for number, question in enumerate(questions):
+        report("expansions tried", number, len(questions))
         mapping = question.expansion.mapping
         for _ in range(settings.attempts):
             n_tried += 1

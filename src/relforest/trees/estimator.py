@@ -15,9 +15,10 @@ from relforest.scenes.labels import binary_labels
 from relforest.support.errors import InputError
 from relforest.support.numerals import probability
 from relforest.support.rng import RandomState, generator, seed_sequence
-from relforest.trees.growth import Test, TreeSettings, grow
+from relforest.trees.growth import grow
 from relforest.trees.inference import query
 from relforest.trees.nodes import variable_name
+from relforest.trees.settings import Test, TreeSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

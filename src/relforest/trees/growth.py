@@ -2,82 +2,30 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
 from relforest.mappings import catalogue
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range, one_of
+from relforest.support.progress import part
 from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.permutation import permutation_p
 from relforest.trees.probabilities import Assignment, assign, potential
 from relforest.trees.sequences import Sequences, argument_places
+from relforest.trees.settings import TreeSettings
 from relforest.trees.significance import sidak
 from relforest.trees.tree import Tree
-from relforest.volumes import CovAggSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
 
-Test = Literal["likelihood-ratio", "permutation"]
 
-
-@final
-@dataclass(frozen=True, slots=True)
-class TreeSettings:
-    """How a tree is grown.
-
-    Parameters
-    ----------
-    test : {"likelihood-ratio", "permutation"}
-        How an expansion must prove itself. The likelihood ratio test with Sidak correction is the
-        source's. It is anti-conservative, because the volume was fitted to the same scenes: on pure
-        noise it accepts questions far more often than `alpha`. The permutation test repeats the whole
-        search on shuffled labels and keeps its level, at up to `permutations` times the cost.
-    alpha : float
-        Significance level.
-    attempts : int
-        How often each expansion is tried; attempts differ in what covariant aggregation samples.
-    permutations : int
-        Shuffles of the permutation test.
-    max_points : int
-        Expansions that would bring more instantiation sequences than this before one question are left
-        out, and counted in `Growth.n_left_out`.
-    covagg : CovAggSettings
-        Parameters of covariant aggregation.
-
-    Raises
-    ------
-    InputError
-        If a value is outside its range.
-    """
-
-    test: Test = "likelihood-ratio"
-    alpha: float = 0.05
-    attempts: int = 3
-    permutations: int = 99
-    max_points: int = 100_000
-    covagg: CovAggSettings = field(default_factory=CovAggSettings)
-
-    def __post_init__(self) -> None:
-        one_of("test", self.test, ("likelihood-ratio", "permutation"))
-        in_range("alpha", self.alpha, 0.0, 1.0, open_low=True, open_high=True)
-        at_least("attempts", self.attempts, 1)
-        at_least("permutations", self.permutations, 1)
-        at_least("max_points", self.max_points, 1)
-        # The slack makes up for an alpha such as 1 / 49, whose product with 49 is rounded below 1.
-        if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0 - 1e-9:
-            msg = (
-                f"permutations={self.permutations} can never reach alpha={self.alpha}: "
-                f"use at least {math.ceil(1 / self.alpha - 1e-9) - 1}"
-            )
-            raise InputError(msg)
+_DEFAULT: Final = TreeSettings()
 
 
 @final
@@ -130,7 +78,7 @@ def grow(
     labels: NDArray[np.bool_],
     *,
     rng: np.random.Generator,
-    settings: TreeSettings = TreeSettings(),
+    settings: TreeSettings = _DEFAULT,
 ) -> Growth:
     """Learn a tree that predicts the labels of scenes.
 
@@ -179,11 +127,14 @@ def grow(
         leaf = _most_promising(state, labels, assignment)
         if leaf is None:
             break
-        questions, left_out = prepare(scenes, places, state.sequences[leaf], mappings, settings.max_points)
-        n_left_out += left_out
-        at = OpenLeaf(leaf, state.presence, assignment)
-        found = best_candidate(questions, labels, at, settings, rng)
-        p_value = None if found is None else _tested(found, questions, labels, at, settings, rng)
+        with part(f"question {len(steps) + 1}"):
+            questions, left_out = prepare(
+                scenes, places, state.sequences[leaf], mappings, settings.max_points
+            )
+            n_left_out += left_out
+            at = OpenLeaf(leaf, state.presence, assignment)
+            found = best_candidate(questions, labels, at, settings, rng)
+            p_value = None if found is None else _tested(found, questions, labels, at, settings, rng)
         if found is None or p_value is None:
             state = state.closed(leaf)
             continue

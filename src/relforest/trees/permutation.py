@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from relforest.support.progress import part
 from relforest.trees.candidates import (
     Candidate,
     OpenLeaf,
@@ -58,9 +59,10 @@ def permutation_p(
     """
     allowed = math.floor(settings.alpha * (settings.permutations + 1) + 1e-9) - 1
     as_good = 0
-    for _ in range(settings.permutations):
+    for number in range(1, settings.permutations + 1):
         shuffled = _shuffled(labels, at.assignment.winner, rng)
-        null = best_candidate(questions, shuffled, at.relabelled(shuffled), settings, rng)
+        with part(f"shuffle {number} of {settings.permutations}"):
+            null = best_candidate(questions, shuffled, at.relabelled(shuffled), settings, rng)
         as_good += null is not None and null.beats(found)
         if as_good > allowed:
             break

@@ -1,7 +1,8 @@
 from .arc import Arc
-from .covagg import Aggregation, CovAggSettings, aggregate
+from .covagg import Aggregation, aggregate
 from .ellipsoid import Ellipsoid
 from .objectives import Objective
+from .settings import CovAggSettings
 from .volume import Volume, volume_from_dict
 
 __all__ = [

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal, final
 import numpy as np
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range, one_of
+from relforest.support.options import one_of
 from relforest.volumes.aggregation import Problem, aggregate_keys
 from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
@@ -17,6 +17,7 @@ from relforest.volumes.ellipsoid import Ellipsoid
 from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
 from relforest.volumes.objectives import OBJECTIVES, Objective, entropy_table
 from relforest.volumes.principal_axes import principal_axes
+from relforest.volumes.settings import CovAggSettings
 from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
 
 if TYPE_CHECKING:
@@ -24,48 +25,10 @@ if TYPE_CHECKING:
 
     from relforest.volumes.volume import Volume
 
-# Inside these bounds no product of the search overflows or vanishes, whatever the points.
+
+# No product of the search overflows or vanishes with points inside this bound.
 _LARGEST_VALUE: Final = 1e30
-_LARGEST_WEIGHT: Final = 1e6
-_LARGEST_CONDITION: Final = 1e7
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class CovAggSettings:
-    """Parameters of covariant aggregation; the defaults are those of section 3.3.
-
-    Parameters
-    ----------
-    window : int
-        A, the number of aggregation steps over which progress is judged.
-    prior_weight : float
-        w of eq. 3.5, at most 1e6.
-    max_condition : float
-        c of eq. 3.6, at most 1e7: beyond, rounding would decide who is inside.
-    restarts : int
-        N, the number of positive bags to start from.
-    sampled : int
-        M, the number of bags tried at each aggregation step.
-
-    Raises
-    ------
-    InputError
-        If a value is outside its range.
-    """
-
-    window: int = 8
-    prior_weight: float = 0.1
-    max_condition: float = 1e5
-    restarts: int = 4
-    sampled: int = 4
-
-    def __post_init__(self) -> None:
-        at_least("window", self.window, 2)
-        in_range("prior_weight", self.prior_weight, 0.0, _LARGEST_WEIGHT, open_low=True)
-        in_range("max_condition", self.max_condition, 1.0, _LARGEST_CONDITION, open_low=True)
-        at_least("restarts", self.restarts, 1)
-        at_least("sampled", self.sampled, 1)
+_DEFAULT: Final = CovAggSettings()
 
 
 @final
@@ -96,7 +59,7 @@ def aggregate(
     rng: np.random.Generator,
     space: Literal["euclidean", "circle"] = "euclidean",
     objective: Objective = "accuracy",
-    settings: CovAggSettings = CovAggSettings(),
+    settings: CovAggSettings = _DEFAULT,
 ) -> Aggregation | None:
     """Learn the decision volume that best separates positive from negative bags.
 

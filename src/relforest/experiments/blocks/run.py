@@ -29,6 +29,7 @@ from relforest.experiments.blocks.settings import (
 )
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
+from relforest.support.progress import report
 from relforest.support.rng import generator, stream
 from relforest.worlds.blocks.balance import balance_trial
 from relforest.worlds.blocks.blocks import Block, arch_blocks, random_blocks
@@ -57,7 +58,8 @@ def _settle(setting: BlocksSetting, place: Place) -> Measures:
     rng = generator(place.stream)
     sim = BlocksSimulation(rng)
     is_arch = setting.condition == ARCH_BLOCKS
-    for _ in range(setting.count):
+    for number in range(setting.count):
+        report("drops", number, setting.count)
         first = sim.next_id
         blocks = arch_blocks(rng, 3, first_id=first) if is_arch else random_blocks(rng, 5, first_id=first)
         steps = sim.drop(blocks, turned=is_arch)
@@ -81,6 +83,7 @@ def _lift(setting: BlocksSetting, place: Place) -> Measures:
 def _play(setting: BlocksSetting, place: Place) -> Measures:
     env = world(setting.part, setting.condition)
     for episode in range(setting.count):
+        report("episodes", episode, setting.count)
         for name, value in play(env, setting.condition, stream(place.stream, episode)):
             if name in _ALWAYS_KEPT or (setting.part, setting.condition, name) in OPTION_REFERENCE:
                 yield name, value
@@ -106,7 +109,8 @@ def _colors(setting: BlocksSetting, place: Place) -> Measures:
 def _outcomes(setting: BlocksSetting, place: Place) -> Measures:
     rng, limits = generator(place.stream), OUTCOME_TASKS[setting.condition]
     make_trial = balance_trial if setting.condition in BALANCE_TASKS else drop_on_trial
-    for _ in range(setting.count):
+    for number in range(setting.count):
+        report("trials", number, setting.count)
         outcome = make_trial(rng, limits).outcome
         yield "decided", float(outcome is not None)
         if outcome is not None:
@@ -116,6 +120,7 @@ def _outcomes(setting: BlocksSetting, place: Place) -> Measures:
 def _speed(setting: BlocksSetting, place: Place) -> Measures:
     env = world(TOWERS, setting.condition)
     for episode in range(setting.count + 1):
+        report("episodes", episode, setting.count + 1)
         begin = process_time()
         found = dict(play(env, setting.condition, stream(place.stream, episode)))
         elapsed = process_time() - begin

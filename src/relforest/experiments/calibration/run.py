@@ -11,6 +11,7 @@ from relforest.experiments.calibration.settings import CalibrationSetting
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.scenes import Attribute, Scenes, Schema
+from relforest.support.progress import report
 from relforest.support.rng import generator, stream
 from relforest.trees import SMRFTreeClassifier
 
@@ -29,6 +30,7 @@ def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
     """
     rows: list[Row] = []
     for number in range(setting.n_sets):
+        report("sets of scenes", number, setting.n_sets)
         scenes, labels = noise(generator(stream(place.stream, number, _DATA)), setting)
         learner = SMRFTreeClassifier(
             test=setting.test,

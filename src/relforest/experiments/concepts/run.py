@@ -25,6 +25,7 @@ from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.scenes import Scenes
+from relforest.support.progress import report
 from relforest.support.rng import generator, seed_sequence, stream
 from relforest.trees import SMRFTreeClassifier
 
@@ -54,6 +55,7 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     ).fit(scenes, labels)
     rows: list[Row] = []
     for number, (test, draw) in enumerate([draw_training, *draw_testing]):
+        report(f"testing on {test}")
         new_scenes, truth = draw(generator(stream(seed, _TESTING, number)), setting.n_scenes)
         rows.append(
             {

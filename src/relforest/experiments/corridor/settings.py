@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, final
 
-from relforest.rl.features import FeatureMode
+from relforest.rl.settings import FeatureMode
 
 
 @final

@@ -14,6 +14,7 @@ from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier
+from relforest.support.progress import report
 from relforest.support.rng import generator, stream
 
 _DATA, _LEARNING = 0, 1
@@ -38,6 +39,7 @@ def compute(setting: CovAggSetting, place: Place) -> list[Row]:
     draw = GENERATORS[setting.data_set]
     rows: list[Row] = []
     for pair in range(setting.pairs):
+        report("pairs of bags", pair, setting.pairs)
         rng = generator(stream(place.stream, pair, _DATA))
         train, test = draw(rng, setting.n_bags), draw(rng, setting.n_bags)
         learner = CovAggClassifier(random_state=stream(place.stream, pair, _LEARNING))

@@ -17,6 +17,7 @@ from typing import Final, final
 from relforest.experiments.mil.steps import STOPPED, Job, Step
 from relforest.experiments.mil.worker import PREPARATION, peak_memory
 from relforest.support.errors import InputError, RelforestError
+from relforest.support.progress import report
 from relforest.support.workers import start
 
 _START: Final = (
@@ -64,6 +65,8 @@ def run_job(job: Job, name: str) -> list[Step]:
     if not job.is_over(steps):
         _check_limit(job, name)
     while not job.is_over(steps):
+        # The process says nothing while it works: its time is measured.
+        report(f"step {len(steps)} and those after it", len(steps), job.n_steps)
         ended = _run(job)
         steps = job.saved()
         if ended.status == -signal.SIGXCPU and not ended.was_prepared:

@@ -25,6 +25,7 @@ from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
 from relforest.mil.bag_classifier import BagClassifier
+from relforest.support.progress import report
 from relforest.support.rng import generator, stream
 
 _DATA, _LEARNING, _FOLDS = 0, 1, 2
@@ -51,7 +52,8 @@ def compute(setting: AblationSetting, place: Place) -> list[Row]:
     rows: list[Row] = []
     for draw, split in enumerate(splits(setting, place)):
         train, test = split.train, split.test
-        for variant in setting.variants:
+        for number, variant in enumerate(setting.variants):
+            report(f"draw {draw + 1} of {setting.draws}, variants", number, len(setting.variants))
             untrained = learner(variant, stream(place.stream, draw, _LEARNING))
             predicted = untrained.fit(train.bags, train.labels).predict(test.bags)
             score = peirce_skill_score(test.labels, predicted)

@@ -253,7 +253,7 @@ class BlocksEnv(WorldEnv):
         terminated = not len(self._moment.decision)
         info = self._info()
         info["duration"], info["option"] = result.duration, result
-        info["discounted_reward"] = reward * DISCOUNT ** (max(result.steps - 1, 0) / STEPS_PER_SECOND)
+        info["discounted_reward"] = reward * self.discount ** (max(result.steps - 1, 0) / STEPS_PER_SECOND)
         truncated = not terminated and self._taken >= self.max_actions
         return self._moment.observation(), reward, terminated, truncated, info
 

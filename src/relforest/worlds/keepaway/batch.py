@@ -199,10 +199,13 @@ class Batch:
             time=int(self.times[g]),
         )
 
-    def discounted(self) -> NDArray[np.float64]:
-        """Return the sum of `DISCOUNT` ** k over the cycles k = 0, 1, ... since the decision before, (G,)."""
-        powers: NDArray[np.float64] = DISCOUNT ** self.seen.elapsed.astype(np.float64)
-        return (1.0 - powers) / (1.0 - DISCOUNT)
+    def discounted(self, discount: float) -> NDArray[np.float64]:
+        """Return the sum of ``discount**k`` over the cycles k = 0, 1, ... since the decision before, (G,)."""
+        elapsed = self.seen.elapsed.astype(np.float64)
+        if discount == 1.0:
+            return elapsed
+        powers: NDArray[np.float64] = discount**elapsed
+        return (1.0 - powers) / (1.0 - discount)
 
 
 @kernel

@@ -122,7 +122,7 @@ class KeepawayEnv(WorldEnv):
         batch = self._batch
         batch.play(np.array([action]))
         end, elapsed, info = int(batch.ends[0]), float(batch.seen.elapsed[0]), self._info()
-        info["duration"], info["discounted_reward"] = elapsed, float(batch.discounted()[0])
+        info["duration"], info["discounted_reward"] = elapsed, float(batch.discounted(self.discount)[0])
         if end != PLAYING:
             info["end"] = END_NAMES[end]
         return self._observation(), elapsed, end in (OUT, TAKEN), end == CAPPED, info

@@ -138,7 +138,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         ended, truncated = ends != PLAYING, ends == CAPPED
         infos = self._infos()
         _add(infos, "duration", rewards.copy(), ~again)
-        _add(infos, "discounted_reward", batch.discounted(), ~again)
+        _add(infos, "discounted_reward", batch.discounted(self.discount), ~again)
         _add(infos, "without_decision", np.where(again, batch.seen.skipped, 0), again)
         names = np.array([END_NAMES.get(end) for end in ends.tolist()], dtype=object)
         _add(infos, "end", names, ended)

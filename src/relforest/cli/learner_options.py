@@ -1,0 +1,174 @@
+"""The options of ``relforest learn`` that belong to one method, and the settings that they change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
+from typing import Annotated, Any, Final, final
+
+from tyro.conf import arg
+
+from relforest.cli.early_checks import naming_options
+from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.settings import FeatureMode, RPISettings
+from relforest.support.options import in_range
+from relforest.trees.settings import Test
+
+
+def _default(value: object, metavar: str | None = None) -> Any:  # noqa: ANN401 - Tyro's annotation
+    kind = metavar or ("INT" if isinstance(value, int) else "FLOAT")
+    return arg(metavar=kind, help_behavior_hint=f"(default: {value})")
+
+
+_RPI: Final = RPISettings()
+_TREE: Final = _RPI.tree
+_SARSA: Final = SarsaSettings()
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RPIOptions:
+    """Options of --method smrf-rpi.
+
+    Parameters
+    ----------
+    features
+        What trees contribute: one bit per leaf, with or without the densities of the questions above it, or
+        one probability per tree.
+    epsilon
+        Probability of a random action in training after the first iteration.
+    discount
+        Discount factor per unit of time.
+    no_bootstrapping
+        Ignore the value of the state in which a time limit ended an episode.
+    rounds
+        Most rounds of learning trees and a policy per iteration.
+    trees_per_label
+        Trees learned per round and action type for high Bellman errors, and as many for low ones.
+    alpha
+        Significance level of the test that decides whether a tree is kept.
+    max_scenes
+        Most scenes that a tree is learned from.
+    max_samples
+        Most transitions that a policy is learned from.
+    lspi_iterations
+        Most policies that LSPI evaluates each time.
+    question_test
+        Test that a question of a tree must pass.
+    question_alpha
+        Significance level of that test.
+    permutations
+        Shuffles of the permutation test.
+    attempts
+        Tries for each possible question.
+    max_points
+        Possible questions with more instantiation sequences than this are left out.
+    """
+
+    features: Annotated[FeatureMode | None, _default(_RPI.features, "{densities+bits,bits,probability}")] = (
+        None
+    )
+    epsilon: Annotated[float | None, _default(_RPI.epsilon)] = None
+    discount: Annotated[float | None, _default("that of the world", "FLOAT")] = None
+    no_bootstrapping: bool = False
+    rounds: Annotated[int | None, _default(_RPI.max_rounds)] = None
+    trees_per_label: Annotated[int | None, _default(_RPI.trees_per_label)] = None
+    alpha: Annotated[float | None, _default(_RPI.alpha)] = None
+    max_scenes: Annotated[int | None, _default(_RPI.max_scenes)] = None
+    max_samples: Annotated[int | None, _default(_RPI.max_samples)] = None
+    lspi_iterations: Annotated[int | None, _default(_RPI.lspi.max_iterations)] = None
+    question_test: Annotated[Test | None, _default(_TREE.test, "{likelihood-ratio,permutation}")] = None
+    question_alpha: Annotated[float | None, _default(_TREE.alpha)] = None
+    permutations: Annotated[int | None, _default(_TREE.permutations)] = None
+    attempts: Annotated[int | None, _default(_TREE.attempts)] = None
+    max_points: Annotated[int | None, _default(_TREE.max_points)] = None
+
+    def settings(self, base: RPISettings) -> RPISettings:
+        """Return settings with the options that were given.
+
+        Raises
+        ------
+        UsageError
+            If one is out of its range.
+        """
+        if self.discount is not None:
+            with naming_options(("discount",)):
+                in_range("discount", self.discount, 0.0, 1.0)
+        values = given(self)
+        if self.no_bootstrapping:
+            values["no_bootstrapping"] = False
+        changed: dict[str, Any] = {"": base, "lspi": base.lspi, "tree": base.tree}
+        for option, (place, name) in _PLACES.items():
+            if option in values:
+                with naming_options((), **{name: option}):
+                    changed[place] = replace(changed[place], **{name: values[option]})
+        settings: RPISettings = replace(changed[""], lspi=changed["lspi"], tree=changed["tree"])
+        return settings
+
+
+# Permutations come before the level and the test, since their number is checked with these.
+_PLACES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+    {
+        "features": ("", "features"),
+        "epsilon": ("", "epsilon"),
+        "no_bootstrapping": ("", "bootstrap_on_truncation"),
+        "rounds": ("", "max_rounds"),
+        "trees_per_label": ("", "trees_per_label"),
+        "alpha": ("", "alpha"),
+        "max_scenes": ("", "max_scenes"),
+        "max_samples": ("", "max_samples"),
+        "lspi_iterations": ("lspi", "max_iterations"),
+        "permutations": ("tree", "permutations"),
+        "attempts": ("tree", "attempts"),
+        "max_points": ("tree", "max_points"),
+        "question_alpha": ("tree", "alpha"),
+        "question_test": ("tree", "test"),
+    }
+)
+"""Option -> which settings it changes (the learner's own, LSPI's, or the trees') and its name there."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SarsaOptions:
+    """Options of --method cmac-sarsa and cmac-sarsa-shared.
+
+    Parameters
+    ----------
+    sarsa_alpha
+        Step size.
+    sarsa_gamma
+        Discount factor per cycle.
+    sarsa_epsilon
+        Probability of a random action in training.
+    sarsa_lambda
+        Decay of eligibility traces.
+    """
+
+    sarsa_alpha: Annotated[float | None, _default(_SARSA.alpha)] = None
+    sarsa_gamma: Annotated[float | None, _default(_SARSA.gamma)] = None
+    sarsa_epsilon: Annotated[float | None, _default(_SARSA.epsilon)] = None
+    sarsa_lambda: Annotated[float | None, _default(_SARSA.trace_decay)] = None
+
+    def settings(self) -> SarsaSettings:
+        """Return the settings of the benchmark with the options that were given.
+
+        Raises
+        ------
+        UsageError
+            If one is out of its range.
+        """
+        settings = SarsaSettings()
+        for option, value in given(self).items():
+            name = option.removeprefix("sarsa_")
+            name = "trace_decay" if name == "lambda" else name
+            with naming_options((), **{name: option}):
+                settings = replace(settings, **{name: value})
+        return settings
+
+
+def given(options: RPIOptions | SarsaOptions) -> dict[str, Any]:
+    """Return the options that were given, by name."""
+    values = {entry.name: getattr(options, entry.name) for entry in fields(options)}
+    return {name: value for name, value in values.items() if value is not None and value is not False}

@@ -1,0 +1,65 @@
+"""How a SMRF tree is grown: the options, checked once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range, one_of
+from relforest.volumes.settings import CovAggSettings
+
+Test = Literal["likelihood-ratio", "permutation"]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TreeSettings:
+    """How a tree is grown.
+
+    Parameters
+    ----------
+    test : {"likelihood-ratio", "permutation"}
+        How an expansion must prove itself. The likelihood ratio test with Sidak correction is the
+        source's. It is anti-conservative, because the volume was fitted to the same scenes: on pure
+        noise it accepts questions far more often than `alpha`. The permutation test repeats the whole
+        search on shuffled labels and keeps its level, at up to `permutations` times the cost.
+    alpha : float
+        Significance level.
+    attempts : int
+        How often each expansion is tried; attempts differ in what covariant aggregation samples.
+    permutations : int
+        Shuffles of the permutation test.
+    max_points : int
+        Expansions that would bring more instantiation sequences than this before one question are left
+        out, and counted in `Growth.n_left_out`.
+    covagg : CovAggSettings
+        Parameters of covariant aggregation.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its range.
+    """
+
+    test: Test = "likelihood-ratio"
+    alpha: float = 0.05
+    attempts: int = 3
+    permutations: int = 99
+    max_points: int = 100_000
+    covagg: CovAggSettings = field(default_factory=CovAggSettings)
+
+    def __post_init__(self) -> None:
+        one_of("test", self.test, ("likelihood-ratio", "permutation"))
+        in_range("alpha", self.alpha, 0.0, 1.0, open_low=True, open_high=True)
+        at_least("attempts", self.attempts, 1)
+        at_least("permutations", self.permutations, 1)
+        at_least("max_points", self.max_points, 1)
+        # The slack makes up for an alpha such as 1 / 49, whose product with 49 is rounded below 1.
+        if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0 - 1e-9:
+            msg = (
+                f"permutations={self.permutations} can never reach alpha={self.alpha}: "
+                f"use at least {math.ceil(1 / self.alpha - 1e-9) - 1}"
+            )
+            raise InputError(msg)
