@@ -1,14 +1,16 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from relforest.experiments.folders import claimed, versions
+from relforest.experiments.folders import checked_folder, claimed, versions
 from relforest.experiments.identity import Identity
-from relforest.support.errors import RunFolderError
+from relforest.support.errors import InputError, RunFolderError
 from relforest.support.locks import FolderLock
 
 TEMPORARY = ".run.json.0123456789abcdef.tmp"
@@ -162,3 +164,37 @@ def test_a_folder_that_somebody_fills_meanwhile_is_noticed(
     monkeypatch.setattr(FolderLock, "__enter__", slow_enter)
     with pytest.raises(RunFolderError, match="'foreign'"):
         claim(tmp_path, identity())
+
+
+@pytest.mark.parametrize("name", ["", "runs/a\0b"])
+def test_names_that_no_folder_can_have_are_refused(name: str) -> None:
+    with pytest.raises(InputError, match="must not be empty or hold a null character"):
+        checked_folder(name)
+
+
+def test_a_folder_inside_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+
+    with pytest.raises(RunFolderError, match="file is not a folder; choose another name"):
+        claim(tmp_path / "file" / "deep" / "out", identity())
+
+
+def test_work_begins_only_where_its_results_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(RunFolderError, match=f"cannot write to the folder {tmp_path}: choose another"):
+        claim(tmp_path / "a" / "out", identity())
+    # What is finished may be looked at.
+    claim(tmp_path / "finished", identity(), finished=True)
+
+    assert {path.name for path in tmp_path.iterdir()} == {"finished"}
+
+
+def test_work_does_not_begin_on_a_full_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=1000))
+
+    with pytest.raises(RunFolderError, match=r"no space is left for .*out: make room"):
+        claim(tmp_path / "out", identity())
+    assert not (tmp_path / "out").exists()

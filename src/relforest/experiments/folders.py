@@ -6,7 +6,9 @@ it with what is asked for now, and holds the folder's lock meanwhile.
 
 from __future__ import annotations
 
+import os
 import platform
+import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import metadata
@@ -16,13 +18,14 @@ from typing import Any, Final
 from relforest import __version__
 from relforest.experiments.identity import Identity
 from relforest.rl.configuration import differences
-from relforest.support.errors import ModelFormatError, RunFolderError
+from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.files import is_temporary, read_json, remove_temporary_files, write_json
 from relforest.support.locks import FolderLock
 
 VERSION: Final = 1
 
 _LOCK: Final = ".lock"
+_LEAST_ROOM: Final = 2**20
 
 
 @contextmanager
@@ -42,10 +45,13 @@ def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]
     Raises
     ------
     RunFolderError
-        If the folder is in use, is no folder of this kind, or belongs to other work. Nothing is changed then.
+        If the folder is in use, is no folder of this kind, or belongs to other work, or if work is left but
+        nothing can be written. Nothing is changed then.
     """
     # Before the lock too, because taking it makes a file.
     _check_kind(folder, identity)
+    if not is_finished():
+        _check_writable(folder)
     with FolderLock(folder):
         _check_kind(folder, identity)
         remove_temporary_files(folder)
@@ -63,6 +69,31 @@ def versions() -> dict[str, str]:
     python = ".".join(platform.python_version_tuple()[:2])
     others = {name: metadata.version(name) for name in ("numpy", "scipy", "numba", "scikit-learn")}
     return {"python": python, **others, "relforest": __version__}
+
+
+def checked_folder(out: str | os.PathLike[str]) -> Path:
+    """Return a folder that was asked for.
+
+    Raises
+    ------
+    InputError
+        If its name is empty or holds a null character.
+    """
+    name = os.fspath(out)
+    if not name or "\0" in name:
+        raise InputError(f"the name of a folder must not be empty or hold a null character, got {name!r}")
+    return Path(name)
+
+
+def _check_writable(folder: Path) -> None:
+    """Find out before the work, not after hours of it, that its results cannot be written."""
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise RunFolderError(f"cannot make the folder {folder}: {there} is not a folder; choose another name")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise RunFolderError(f"cannot write to the folder {there}: choose another one")
+    if shutil.disk_usage(there).free < _LEAST_ROOM:
+        raise RunFolderError(f"no space is left for {folder}: make room, or choose a folder on another disk")
 
 
 def _check_kind(folder: Path, identity: Identity) -> None:

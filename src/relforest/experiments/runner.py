@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
-from relforest.experiments.folders import claimed
+from relforest.experiments.folders import checked_folder, claimed
 from relforest.experiments.identity import Identity
 from relforest.experiments.study import Obstacle, Place, Setting, Study, chosen_settings
 from relforest.experiments.table import Row, Table
@@ -73,11 +73,12 @@ def run_study(
     Raises
     ------
     InputError
-        If an option is out of its range, no setting is chosen, or none of those can be computed here.
+        If an option is out of its range, `out` cannot be the name of a folder, no setting is chosen, or none
+        of those can be computed here.
     RunFolderError
-        If the folder is in use, is not empty, belongs to other work, or is damaged.
+        If the folder cannot be written to, is in use, is not empty, belongs to other work, or is damaged.
     """
-    folder, settings = Path(out), study.smoke if smoke else study.settings
+    folder, settings = checked_folder(out), study.smoke if smoke else study.settings
     seed = at_least("seed", seed, 0)
     checked_jobs(n_jobs)
     chosen = chosen_settings(study, settings, only or {})

@@ -15,7 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
 
-from relforest.experiments.folders import claimed
+from relforest.experiments.folders import checked_folder, claimed
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.run_pictures import draw_runs
@@ -61,13 +61,13 @@ def learn_runs(
     Raises
     ------
     InputError
-        If `n_jobs` is neither -1 nor at least 1.
+        If `n_jobs` is neither -1 nor at least 1, or `out` cannot be the name of a folder.
     RunFolderError
-        If a folder is in use by a living process, is not empty but no run folder, belongs to another
-        configuration, or is damaged.
+        If a folder cannot be written to, is in use by a living process, is not empty but no run folder,
+        belongs to another configuration, or is damaged.
     """
     checked_jobs(n_jobs)
-    folder = Path(out)
+    folder = checked_folder(out)
     folders = config.folders(folder)
     if config.runs == 1:
         learn_run(config, 0, folder, n_jobs=n_jobs, on_iteration=on_iteration)

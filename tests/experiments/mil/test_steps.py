@@ -10,6 +10,7 @@ from experiments.mil import fakes
 from relforest.experiments.mil.steps import DONE, STOPPED, Job, Step
 from relforest.support.errors import RunFolderError
 
+HEAD = '{"format": "relforest-mil-steps", "version": 1, "asked": {"start": 1}, "steps": '
 STEPS = [Step(DONE, 0.25, 1000, {"pss": 0.5}), Step(STOPPED, None, 2000)]
 
 
@@ -47,6 +48,14 @@ def test_a_job_is_over_after_its_last_step_or_a_stopped_one(job: Job) -> None:
         (
             '{"format": "relforest-mil-steps", "version": 1, "asked": {"start": 1}, "steps": [{}]}',
             "is damaged",
+        ),
+        (
+            HEAD + '[{"state": "new", "cpu_seconds": 1.0, "peak_bytes": 1}]}',
+            "is damaged .*not a step",
+        ),
+        (
+            HEAD + '[{"state": "done", "cpu_seconds": 1.0, "peak_bytes": 1, "values": {"pss": [0.5]}}]}',
+            "is damaged .*not plain",
         ),
         ('{"format": "relforest-mil-steps", "version": 1, "asked": {"start": 2}, "steps": []}', "other work"),
     ],

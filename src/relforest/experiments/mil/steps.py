@@ -104,7 +104,7 @@ class Job:
         remedy = "delete the file, and it is computed again"
         try:
             document = read_json(self.file, format=_FORMAT, version=_VERSION)
-            steps = [Step(**step) for step in document["steps"]]
+            steps = [_checked(Step(**step)) for step in document["steps"]]
         except (ModelFormatError, KeyError, TypeError) as error:
             raise RunFolderError(f"{self.file} is damaged ({error}); {remedy}") from error
         if document.get("asked") != dict(self.asked) or len(steps) > self.n_steps:
@@ -138,3 +138,13 @@ class Job:
         module, name = document["prepare"]
         prepare: Prepare = getattr(import_module(module), name)
         return cls(**{**document, "prepare": prepare, "file": Path(document["file"])})
+
+
+def _checked(step: Step) -> Step:
+    is_known = step.state in (DONE, STOPPED)
+    is_measured = isinstance(step.cpu_seconds, float | int | None) and isinstance(step.peak_bytes, int)
+    if not is_known or not is_measured or not isinstance(step.values, Mapping):
+        raise TypeError(f"not a step: {step!r:.200}")
+    if not all(isinstance(value, str | float | int | None) for value in step.values.values()):
+        raise TypeError(f"values that are not plain: {step.values!r:.200}")
+    return step
