@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -33,8 +36,11 @@ def test_a_sequence_is_used_as_it_is() -> None:
     assert seed_sequence(sequence) is sequence
 
 
-def test_a_generator_gives_a_new_seed_at_every_call_and_repeats_with_itself() -> None:
-    first, second = np.random.default_rng(3), np.random.default_rng(3)
+@pytest.mark.parametrize("make", [np.random.default_rng, np.random.RandomState])
+def test_a_generator_gives_a_new_seed_at_every_call_and_repeats_with_itself(
+    make: Callable[[int], Any],
+) -> None:
+    first, second = make(3), make(3)
     one, two = seed_sequence(first), seed_sequence(first)
 
     assert draws(one) != draws(two)

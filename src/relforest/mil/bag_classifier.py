@@ -11,8 +11,8 @@ from sklearn.utils.validation import check_is_fitted
 
 from relforest.scenes.bags import Bags, as_bags
 from relforest.scenes.labels import binary_labels
+from relforest.support.blas import one_blas_thread
 from relforest.support.errors import InputError
-from relforest.support.parallel import one_blas_thread
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

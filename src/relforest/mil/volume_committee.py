@@ -29,9 +29,10 @@ from relforest.mil.placed_volume import (
 )
 from relforest.mil.volume_panels import BALL_RULES, BALL_SHARES, NEAR_BALLS, PANELS, VOLUME_PANELS
 from relforest.scenes.bags import Bags
+from relforest.support.blas import one_blas_thread
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, one_of
-from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
+from relforest.support.parallel import checked_jobs, run_tasks
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 
 if TYPE_CHECKING:

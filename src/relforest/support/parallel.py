@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from contextvars import copy_context
-from functools import cache
 from typing import Literal, TypeVar, TypeVarTuple
 
 import joblib
-import scipy.linalg  # noqa: F401, its BLAS, which kernels call, must be loaded before `_libraries` looks
-from threadpoolctl import ThreadpoolController
 
+from relforest.support.blas import one_blas_thread
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.workers import run_in_processes
+
+__all__ = ["checked_jobs", "one_blas_thread", "run_tasks"]
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
@@ -66,19 +65,6 @@ def run_tasks(
         workers = joblib.Parallel(n_jobs=n_jobs, backend="threading")
         # Threads do not inherit the listener of reports, and each needs a context of its own.
         return list(workers(joblib.delayed(copy_context().run)(_single_threaded, *call) for call in calls))
-
-
-@contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """Keep NumPy's and SciPy's BLAS to one thread inside the ``with`` block, in the whole process."""
-    with _libraries().limit(limits=1, user_api="blas"):
-        yield
-
-
-@cache
-def _libraries() -> ThreadpoolController:
-    """Return what controls the libraries loaded; to look for them takes longer than a small fit."""
-    return ThreadpoolController()
 
 
 def checked_jobs(n_jobs: object) -> int:

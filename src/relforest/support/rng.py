@@ -11,10 +11,11 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
+from numpy.random import RandomState as LegacyGenerator
 
 from relforest.support.errors import InputError
 
-RandomState: TypeAlias = int | np.random.SeedSequence | np.random.Generator | None
+RandomState: TypeAlias = int | np.random.SeedSequence | np.random.Generator | LegacyGenerator | None
 
 # SeedSequence cuts integers into 32-bit words, so (2**32,) and (0, 1) would name the same stream.
 _WORD = 2**32
@@ -25,10 +26,10 @@ def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
 
     Parameters
     ----------
-    random_state : int, SeedSequence, Generator or None
-        An integer of at least 0 gives the same run every time; a sequence is used as it is; a generator is
-        asked for 128 bits, so that successive calls differ; None takes fresh entropy from the operating
-        system.
+    random_state : int, SeedSequence, Generator, RandomState or None
+        An integer of at least 0 gives the same run every time; a sequence is used as it is; a generator, also
+        one of NumPy's older kind, is asked for 128 bits, so that successive calls differ; None takes fresh
+        entropy from the operating system.
 
     Returns
     -------
@@ -46,11 +47,14 @@ def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
     if isinstance(random_state, np.random.Generator):
         words = random_state.integers(0, _WORD, size=4, dtype=np.int64)
         return np.random.SeedSequence(words.tolist())
+    if isinstance(random_state, LegacyGenerator):
+        words = random_state.randint(0, _WORD, size=4, dtype=np.int64)
+        return np.random.SeedSequence(words.tolist())
     is_integer = isinstance(random_state, (int, np.integer)) and not isinstance(random_state, bool)
     if not is_integer or random_state < 0:
         raise InputError(
-            "random_state must be an integer of at least 0, a numpy SeedSequence or Generator, or None, "
-            f"got {random_state!r}"
+            "random_state must be an integer of at least 0, a NumPy Generator, RandomState or SeedSequence, "
+            f"or None, got {random_state!r}"
         )
     return np.random.SeedSequence(int(random_state))
 
