@@ -9,10 +9,12 @@ import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
-from relforest.scenes.bags import Bags, as_bags
+from relforest.mil.feature_names import columns_as_in_fit, remember_columns
+from relforest.scenes.bags import Bags, as_bags, own_labels
 from relforest.scenes.labels import binary_labels
 from relforest.support.blas import one_blas_thread
 from relforest.support.errors import InputError
+from relforest.support.progress import printed_to_stderr
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -33,14 +35,15 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
     classes_: NDArray[Any]
     n_features_in_: int
 
-    def fit(self, bags: object, y: ArrayLike) -> Self:
+    def fit(self, bags: object, y: ArrayLike | None = None) -> Self:
         """Learn from labelled bags.
 
         Parameters
         ----------
         bags : bags in any of the accepted forms
         y : array-like (n_bags,)
-            0/1, -1/+1, booleans or two strings; the larger one is the positive class.
+            0/1, -1/+1, booleans or two strings; the larger one is the positive class. Only a
+            `relforest.datasets.BagSet`, which has labels, needs none.
 
         Raises
         ------
@@ -49,13 +52,15 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         """
         data = as_bags(bags)
         if y is None:
-            raise InputError("requires y to be passed, but the target y is None")
+            y = own_labels(bags)
+        if y is None:
+            raise InputError("requires y to be passed, but the target y is None: give each bag a label")
         labels = binary_labels(y, len(data), what="bags")
         # Sums in another order would give other roundings on other machines.
-        with one_blas_thread():
+        with one_blas_thread(), printed_to_stderr(getattr(self, "verbose", False)):
             self._fit(data, labels.positive)
         self.classes_ = labels.classes
-        self.n_features_in_ = data.dim
+        remember_columns(self, data)
         return self
 
     def decision_function(self, bags: object) -> NDArray[np.float64]:
@@ -104,16 +109,10 @@ def bags_like_those_of_fit(estimator: BaseEstimator, bags: object) -> Bags:
     NotFittedError
         If it is not fitted.
     InputError
-        If bags are malformed or have another number of features than ``n_features_in_``.
+        If bags are malformed, or have other columns or another number of features than those of `fit`.
     """
     check_is_fitted(estimator)
-    data = as_bags(bags)
-    if data.dim != estimator.n_features_in_:
-        raise InputError(
-            f"X has {data.dim} features, but {type(estimator).__name__} is expecting "
-            f"{estimator.n_features_in_} features as input"
-        )
-    return data
+    return columns_as_in_fit(estimator, as_bags(bags))
 
 
 class InstanceClassifier(BagClassifier, ABC):

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Self, final
+from typing import TYPE_CHECKING, Any, Final, Self, cast, final
 
+import narwhals as nw
 import numpy as np
-from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn import get_config
+from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
 
 from relforest.mil.bag_classifier import bags_like_those_of_fit
+from relforest.mil.feature_names import remember_columns
 from relforest.scenes.bags import as_bags
+from relforest.support.errors import InputError
 from relforest.support.options import one_of
 
 if TYPE_CHECKING:
@@ -20,6 +24,7 @@ _SMALLEST_WIDTH: Final = 1e-30
 # Range, per largest value, that rounding alone gives to a constant feature.
 _ROUNDING: Final = 16 * float(np.finfo(np.float64).eps)
 _METHODS: Final = ("standard", "minmax", "deviation")
+_CONTAINERS: Final = ("default", "pandas", "polars")
 
 
 @final
@@ -74,7 +79,12 @@ def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
 
 
 @final
-class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
+    OneToOneFeatureMixin,  # type: ignore[misc]
+    TransformerMixin,  # type: ignore[misc]
+    BaseEstimator,  # type: ignore[misc]
+    auto_wrap_output_keys=None,
+):
     """Scale every feature by what all instances of all training bags show.
 
     Parameters
@@ -91,11 +101,14 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
         What is divided by: 1 for constant features.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if the bags of `fit` were data frames with string names.
 
     Notes
     -----
     Bags come back in the form they were given in: as an array, as ``(X, bag_ids)``, or as a list of one
-    array per bag.
+    array per bag. Data frames come back as arrays, with their columns in the order of `fit`, or as data
+    frames after ``set_output(transform="pandas")``.
 
     References
     ----------
@@ -112,6 +125,7 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
     shift_: NDArray[np.float64]
     width_: NDArray[np.float64]
     n_features_in_: int
+    feature_names_in_: NDArray[np.object_]
 
     def __init__(self, *, method: str = "standard") -> None:
         self.method = method
@@ -129,7 +143,7 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
         units = feature_units(data.points, self.method)
         self.shift_ = units.shift
         self.width_ = np.where(units.width > 0.0, units.width, 1.0)
-        self.n_features_in_ = data.dim
+        remember_columns(self, data)
         return self
 
     def transform(self, bags: object) -> Any:  # noqa: ANN401  # the form of what was given
@@ -138,15 +152,58 @@ class BagScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sciki
         Raises
         ------
         InputError
-            If bags are malformed or have another number of features.
+            If bags are malformed or have other columns or another number of features.
         """
-        bags_like_those_of_fit(self, bags)
-        if isinstance(bags, tuple) and len(bags) == 2 and np.ndim(bags[1]) < 2:
-            return self._scaled(bags[0]), bags[1]
-        if isinstance(bags, (list, tuple)) and np.ndim(bags[0]) == 2:
-            return [self._scaled(bag) for bag in bags]
-        return self._scaled(bags)
+        data = bags_like_those_of_fit(self, bags)
+        scaled = (data.points - self.shift_) / self.width_
+        if data.form == "list":
+            originals = bags if isinstance(bags, (list, tuple)) else [None] * len(data)
+            parts = np.split(scaled, data.starts[1:-1])
+            return [self._contained(part, frame) for part, frame in zip(parts, originals, strict=True)]
+        if data.form == "cube":
+            cube = scaled.reshape(len(data), -1, data.dim)
+            return cube if self._container() == "default" else [self._contained(part) for part in cube]
+        if data.rows is not None:
+            points, ids = cast("tuple[object, object]", bags)
+            restored = np.empty_like(scaled)
+            restored[data.rows] = scaled
+            return self._contained(restored, points), ids
+        return self._contained(scaled, bags)
 
-    def _scaled(self, values: object) -> NDArray[np.float64]:
-        numbers: NDArray[np.float64] = np.asarray(values, dtype=np.float64)
-        return (numbers - self.shift_) / self.width_
+    def set_output(self, *, transform: str | None = None) -> Self:
+        """Choose what `transform` returns in place of 2-D arrays, as in scikit-learn.
+
+        Parameters
+        ----------
+        transform : {"default", "pandas", "polars"} or None
+            "default" for arrays, otherwise data frames of that library, one for each array; None leaves the
+            choice as it is.
+
+        Raises
+        ------
+        InputError
+            If it is neither of these.
+        """
+        if transform is not None:
+            one_of("transform", transform, _CONTAINERS)
+            # Where scikit-learn keeps it, so that clones have it too.
+            self._sklearn_output_config = {"transform": transform}
+        return self
+
+    def _container(self) -> str:
+        chosen = getattr(self, "_sklearn_output_config", {}).get("transform")
+        return str(chosen or get_config()["transform_output"])
+
+    def _contained(self, points: NDArray[np.float64], original: object = None) -> Any:  # noqa: ANN401  # array or frame
+        """Return points (n, d) in the container chosen, with the index of a pandas original."""
+        container = self._container()
+        if container == "default":
+            return points
+        try:
+            names = list(self.get_feature_names_out())
+            table: Any = nw.from_numpy(points, names, backend=cast("Any", container)).to_native()
+        except ImportError as error:
+            raise InputError(f"set_output(transform={container!r}) needs {container}: install it") from error
+        if container == "pandas" and nw.dependencies.is_pandas_dataframe(original):
+            table.index = original.index
+        return table

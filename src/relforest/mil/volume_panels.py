@@ -13,13 +13,12 @@ from typing import Final, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.linear_model import LogisticRegression
-from sklearn.svm import LinearSVC
 
 from relforest.mil.aggregated import aggregated_ellipsoid
-from relforest.mil.convergence import convergence_unwarned
 from relforest.mil.feature_view import FeatureView
+from relforest.mil.logistic_rule import balance, fit_logistic
 from relforest.mil.placed_volume import PlacedVolume
+from relforest.mil.sparse_machine import train_sparse_machine
 from relforest.volumes import CovAggSettings
 
 __all__ = [
@@ -87,6 +86,10 @@ class Rule:
         return scores
 
 
+# Where all balls are around instances of bags left out.
+_NO_RULE: Final = Rule(np.empty(0), 0.0)
+
+
 def find_volumes(
     panel: str,
     view: FeatureView,
@@ -146,14 +149,20 @@ def rows_of(
 
 def volume_rule(near: NDArray[np.float64], positive: NDArray[np.bool_], *, penalty: float = 1.0) -> Rule:
     """Logistic regression on the nearness (b, k), with classes of equal weight."""
-    model = LogisticRegression(C=penalty, class_weight="balanced", max_iter=2000)
-    return _fitted(model, near, positive)
+    if near.shape[1] == 0:
+        return _NO_RULE
+    return Rule(*fit_logistic(near, positive, C=penalty))
 
 
 def _near_ball_rule(near: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rule:
     """Select few balls, as MILES does: squared hinge loss with an L1 penalty."""
-    model = LinearSVC(penalty="l1", dual=False, class_weight="balanced", max_iter=3000, random_state=0)
-    return _fitted(model, near, positive)
+    if near.shape[1] == 0:
+        return _NO_RULE
+    # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
+    machine = train_sparse_machine(
+        near, positive, balance(positive), fit_intercept=True, tol=1e-4, max_passes=3000, seed=0
+    )
+    return Rule(machine.coefficients, machine.intercept)
 
 
 def _share_rule(shares: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rule:
@@ -163,18 +172,6 @@ def _share_rule(shares: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rul
 BALL_RULES: Final[Mapping[str, Callable[[NDArray[np.float64], NDArray[np.bool_]], Rule]]] = MappingProxyType(
     {NEAR_BALLS: _near_ball_rule, BALL_SHARES: _share_rule}
 )
-
-
-def _fitted(
-    model: LogisticRegression | LinearSVC, near: NDArray[np.float64], positive: NDArray[np.bool_]
-) -> Rule:
-    if near.shape[1] == 0:
-        # All balls are around instances of bags left out.
-        return Rule(np.empty(0), 0.0)
-    # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
-    with convergence_unwarned():
-        model.fit(near, positive)
-    return Rule(model.coef_[0].astype(np.float64), float(model.intercept_[0]))
 
 
 def _sample_bags(

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Final, final
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.scenes.bag_values import (
+    BagTypeError,
+    Values,
+    are_names,
+    as_values,
+    dimensions,
+    in_order_of,
+    is_sparse,
+    refuse_masked,
+)
 from relforest.scenes.ids import IdArray, as_ids, codes_by_appearance, plain
 from relforest.support.errors import InputError
 
-__all__ = ["LARGEST_VALUE", "BagTypeError", "Bags", "as_bags"]
+__all__ = ["LARGEST_VALUE", "BagTypeError", "Bags", "as_bags", "own_labels"]
 
 LARGEST_VALUE: Final = 1e30
 """Squares of differences of such values, and sums of many of these, stay far from overflow."""
-
-
-@final
-class BagTypeError(InputError, TypeError):
-    """A value inside a bag is of a type that is no number; scikit-learn expects a `TypeError` here."""
 
 
 @final
@@ -37,11 +41,20 @@ class Bags:
         Bag ``i`` is ``points[starts[i] : starts[i + 1]]``; none is empty.
     bag_ids : (n_bags,) array
         Identifiers in order of first appearance; 0, 1, 2, ... where none were given.
+    columns : tuple or None
+        Labels of the components of a point, from the columns of data frames; None for other input.
+    form : {"list", "identified", "rows", "cube"}
+        How the bags were given: one by one, with an identifier per point, as a 2-D array or as a 3-D array.
+    rows : (n_points,) int64 array or None
+        Which row of the array given each point was, if the form is "identified".
     """
 
     points: FloatArray
     starts: IntArray
     bag_ids: IdArray
+    columns: tuple[Any, ...] | None = None
+    form: Literal["list", "identified", "rows", "cube"] = "list"
+    rows: IntArray | None = None
 
     def __len__(self) -> int:
         """Return the number of bags."""
@@ -57,16 +70,23 @@ class Bags:
         """Number of components of a point."""
         return int(self.points.shape[1])
 
+    @property
+    def has_names(self) -> bool:
+        """Whether columns have names; as in scikit-learn, only strings are names."""
+        return are_names(self.columns)
 
-def as_bags(bags: object) -> Bags:
+
+def as_bags(bags: Any) -> Bags:  # noqa: ANN401  # in many forms
     """Bring bags of points into one layout.
 
     Parameters
     ----------
-    bags : list of (n_i, d) arrays, or (X, bag_ids), or 3-D array, or 2-D array
+    bags : list of (n_i, d) arrays, (X, bag_ids), 3-D array, 2-D array, or BagSet
         A sequence with one array per bag; or a tuple of an (n_points, d) array and (n_points,) integer or
         string identifiers, the rows of a bag being anywhere; or an (n_bags, n, d) array; or an (n_bags, d)
-        array, read as one point per bag.
+        array, read as one point per bag; or a value with a list of bags as its attribute ``bags``. An object
+        array of one column, with a bag in each cell, is a sequence. Pandas, polars and pyarrow tables count
+        as 2-D arrays; their columns are matched by name across bags.
 
     Returns
     -------
@@ -76,17 +96,20 @@ def as_bags(bags: object) -> Bags:
     Raises
     ------
     InputError
-        If there are no bags, a bag is empty, bags differ in width, a value is NaN, infinite, beyond 1e30 or
-        no number, or the input is sparse, complex or of another shape. Messages follow scikit-learn's wording
-        where it has one.
+        If there are no bags, a bag is empty, bags differ in width or in the names of their columns, a value
+        is NaN, infinite, beyond 1e30, masked, or not a real number, or the input is sparse or of another
+        shape. Messages follow scikit-learn's wording where it has one.
     """
-    if _is_sparse(bags):
+    if _is_bag_set(bags):
+        bags = bags.bags
+    if is_sparse(bags):
         raise InputError("sparse input is not supported: pass a dense array, for instance with .toarray()")
-    if isinstance(bags, tuple) and len(bags) == 2 and _dimensions(bags[1]) < 2:
+    if isinstance(bags, tuple) and len(bags) == 2 and dimensions(bags[1]) < 2:
         return _from_identified(*bags)
+    bags = _from_cells(bags)
     if isinstance(bags, (list, tuple)) and (not bags or _is_sequence_of_bags(bags)):
         return _from_sequence(bags)
-    array = _numbers(bags, "the array of bags")
+    array, columns = as_values(bags, "the array of bags")
     if array.ndim < 2:
         raise InputError(
             f"Expected 2D array, got {array.ndim}D array instead. Reshape your data: array.reshape(-1, 1) "
@@ -98,97 +121,136 @@ def as_bags(bags: object) -> Bags:
     if n_bags and not size:
         raise InputError(f"every bag is empty, shape {array.shape}: each needs at least one point")
     counts = np.full(n_bags, size)
-    return _bags(array.reshape(n_bags * size, array.shape[-1]), counts, np.arange(n_bags))
+    found = _bags(array.reshape(n_bags * size, array.shape[-1]), counts, np.arange(n_bags), columns)
+    return replace(found, form="rows" if array.ndim == 2 else "cube")
+
+
+def own_labels(bags: Any) -> Any:  # noqa: ANN401  # as they were given
+    """Return the labels of a bag set (`relforest.datasets.BagSet`), and None for any other form of bags."""
+    return bags.labels if _is_bag_set(bags) else None
+
+
+def _is_bag_set(bags: object) -> bool:
+    # A data frame gives its columns as attributes, but never as a list.
+    return isinstance(getattr(bags, "bags", None), list) and hasattr(bags, "labels")
+
+
+def _from_cells(bags: object) -> object:
+    """Return a column of objects with a bag in each cell as a list; anything else as it is."""
+    column = np.asarray(bags) if hasattr(bags, "to_numpy") and dimensions(bags) == 1 else bags
+    if not isinstance(column, np.ndarray) or column.dtype != object:
+        return bags
+    if column.ndim not in (1, 2) or column.shape[1:] not in ((), (1,)):
+        return bags
+    refuse_masked(column, "the array of bags")
+    cells = list(column.ravel())
+    return cells if any(dimensions(cell) for cell in cells) else bags
 
 
 def _from_sequence(bags: Sequence[Any]) -> Bags:
-    arrays = [_numbers(bag, f"bag {number}") for number, bag in enumerate(bags)]
-    for number, array in enumerate(arrays):
+    n_bags = np.arange(len(bags))
+    if _can_be_joined(bags):
+        counts = np.fromiter(map(len, bags), np.int64, len(bags))
+        return _bags(np.concatenate(bags, dtype=np.float64, casting="unsafe"), counts, n_bags)
+    every = [as_values(bag, f"bag {number}") for number, bag in enumerate(bags)]
+    for number, (array, _) in enumerate(every):
         if array.ndim in (1, 2) and not len(array):
             raise InputError(f"bag {number} is empty: each needs at least one point, leave it out or fill it")
         if array.ndim != 2:
             raise InputError(
                 f"bag {number} must be a 2-D array, one row per point, got the shape {array.shape}"
             )
-        if array.shape[1] != arrays[0].shape[1]:
+    every = [_like_the_first(every, number) for number in range(len(every))]
+    for number, (array, _) in enumerate(every):
+        if array.shape[1] != every[0].array.shape[1]:
             raise InputError(
                 f"bag {number} has points of {array.shape[1]} components, but bag 0 of "
-                f"{arrays[0].shape[1]}: all bags must have the same width"
+                f"{every[0].array.shape[1]}: all bags must have the same width"
             )
-    points = np.concatenate(arrays) if arrays else np.empty((0, 1))
-    return _bags(points, np.array([len(array) for array in arrays], dtype=np.int64), np.arange(len(arrays)))
+    points = np.concatenate([array for array, _ in every]) if every else np.empty((0, 1))
+    counts = np.array([len(array) for array, _ in every], dtype=np.int64)
+    return _bags(points, counts, n_bags, every[0].columns if every else None)
+
+
+def _can_be_joined(bags: Sequence[Any]) -> bool:
+    """Whether all bags are plain arrays of numbers in which nothing but a value can be wrong."""
+    if set(map(type, bags)) != {np.ndarray}:
+        return False
+    widths = {bag.shape[1:] for bag in bags}
+    types = {bag.dtype for bag in bags}
+    return (
+        len(widths) == 1
+        and len(*widths) == 1
+        and all(map(len, bags))
+        and all(dtype.kind in "fiub" and dtype.itemsize <= 8 for dtype in types)
+    )
+
+
+def _like_the_first(every: list[Values], number: int) -> Values:
+    """Return the values of a bag with their columns in the order of the first bag.
+
+    Labels that are not names, such as the 0, 1, ... that pandas gives by default, may differ between bags.
+    """
+    first, values = every[0], every[number]
+    if are_names(first.columns) != are_names(values.columns):
+        named, bare = (number, 0) if are_names(values.columns) else (0, number)
+        raise InputError(
+            f"bag {named} has column names, but bag {bare} does not: name the columns of all bags, or of none"
+        )
+    if first.columns is None or values.columns is None:
+        return values
+    missing = [label for label in first.columns if label not in values.columns]
+    extra = [label for label in values.columns if label not in first.columns]
+    if not missing and not extra:
+        return in_order_of(first.columns, values)
+    if not are_names(first.columns):
+        return values
+    found = [f"column {missing[0]!r} is missing"] if missing else []
+    found += [f"column {extra[0]!r} is not in bag 0"] if extra else []
+    raise InputError(f"bag {number}: {', '.join(found)}; all bags must have the same columns")
 
 
 def _from_identified(points: object, bag_ids: object) -> Bags:
-    array = _numbers(points, "the array of points")
+    array, columns = as_values(points, "the array of points")
     if array.ndim != 2:
         raise InputError(
             f"Expected 2D array, got {array.ndim}D array instead. Reshape your data to one row per point, "
             "next to its bag id."
         )
+    refuse_masked(bag_ids, "bag_ids")
     ids = as_ids("bag_ids", bag_ids if isinstance(bag_ids, list) else np.asarray(bag_ids))
     if len(ids) != len(array):
         raise InputError(f"bag_ids must have one entry for each of the {len(array)} points, got {len(ids)}")
     codes, distinct = codes_by_appearance(ids)
     grouped = np.argsort(codes, kind="stable")
-    return _bags(array[grouped], np.bincount(codes, minlength=len(distinct)), distinct)
+    found = _bags(array[grouped], np.bincount(codes, minlength=len(distinct)), distinct, columns)
+    return replace(found, form="identified", rows=grouped)
 
 
-def _bags(points: FloatArray, counts: IntArray, bag_ids: IdArray) -> Bags:
+def _bags(
+    points: FloatArray, counts: IntArray, bag_ids: IdArray, columns: tuple[Any, ...] | None = None
+) -> Bags:
     if not len(counts):
         raise InputError("there are no bags: Found array with 0 sample(s) while a minimum of 1 is required.")
     if not points.shape[1]:
         raise InputError(
             f"Found array with 0 feature(s) (shape={points.shape}) while a minimum of 1 is required."
         )
-    starts = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
-    # The negated test also catches NaN.
-    wrong = np.argwhere(~(np.abs(points) <= LARGEST_VALUE))
-    if wrong.size:
-        point, component = wrong[0]
+    starts = np.zeros(len(counts) + 1, dtype=np.int64)
+    np.cumsum(counts, out=starts[1:])
+    # Also catches NaN.
+    allowed = np.abs(points) <= LARGEST_VALUE
+    if not allowed.all():
+        point, component = np.argwhere(~allowed)[0]
         bag = int(np.searchsorted(starts, point, side="right")) - 1
-        place = f"bag {plain(bag_ids[bag])!r}, row {point - starts[bag]}, component {component}"
+        part = f"component {component}" if columns is None else f"column {columns[component]!r}"
+        place = f"bag {plain(bag_ids[bag])!r}, row {point - starts[bag]}, {part}"
         if np.isfinite(points[point, component]):
             raise InputError(f"Input X contains values beyond {LARGEST_VALUE:g}: use other units ({place})")
         raise InputError(f"Input X contains NaN or infinity: {place}. Drop the point or fill in the value.")
-    return Bags(np.ascontiguousarray(points), starts, bag_ids)
-
-
-def _numbers(values: object, what: str) -> NDArray[np.float64]:
-    """Return values as a float64 array of whatever shape."""
-    if _is_sparse(values):
-        raise InputError(
-            f"{what} is sparse, which is not supported: pass a dense array, for instance with .toarray()"
-        )
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind == "c":
-            raise InputError(f"Complex data not supported: {what} holds complex numbers")
-        if array.dtype.kind in "US":
-            raise InputError(f"{what} holds strings: convert them to numbers")
-        return array.astype(np.float64)
-    except TypeError as error:
-        raise BagTypeError(f"{what} must hold numbers: {error}") from error
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{what} must be an array of numbers with rows of equal length: {error}") from error
-
-
-def _dimensions(value: object) -> int:
-    """Return the number of dimensions without converting nested lists whole."""
-    found = getattr(value, "ndim", None)
-    if isinstance(found, int):
-        return found
-    if isinstance(value, (list, tuple)):
-        return 1 + (_dimensions(value[0]) if len(value) else 0)
-    return 0
+    return Bags(np.ascontiguousarray(points), starts, bag_ids, columns)
 
 
 def _is_sequence_of_bags(entries: Sequence[object]) -> bool:
-    """Tell bags from the rows of one array; an empty bag, like a row, may look one-dimensional."""
-    return _dimensions(entries[0]) > 0 and any(_dimensions(entry) != 1 for entry in entries)
-
-
-def _is_sparse(value: object) -> bool:
-    return hasattr(value, "toarray") and hasattr(value, "nnz")
+    """Whether entries are bags, not the rows of one array; an empty bag may look like a row."""
+    return dimensions(entries[0]) > 0 and any(dimensions(entry) != 1 for entry in entries)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
+from numbers import Real
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from sklearn.utils.multiclass import check_classification_targets
-from sklearn.utils.validation import column_or_1d
+from sklearn.exceptions import DataConversionWarning
 
 from relforest.support.errors import InputError
 
@@ -15,10 +16,13 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
+_NUMBERS = (Real, np.bool_)
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class BinaryLabels:
-    """Two classes and who belongs to the second one.
+    """Two classes, and which labels belong to the second one.
 
     Parameters
     ----------
@@ -33,7 +37,7 @@ class BinaryLabels:
 
 
 def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
-    """Check labels and tell positive from negative.
+    """Check labels and separate the positive ones from the negative ones.
 
     Parameters
     ----------
@@ -47,26 +51,79 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
     Raises
     ------
     InputError
-        If the number of labels is wrong, one is NaN or infinite, or there are not exactly two classes.
+        If the number of labels is wrong, one is missing, masked, NaN or infinite, or there are not exactly
+        two classes. Messages follow scikit-learn's wording where it has one.
     """
-    labels = column_or_1d(y, warn=True)
+    labels = _column(y)
+    if isinstance(y, (list, tuple)) and labels.dtype.kind == "U" and not all(isinstance(v, str) for v in y):
+        # NumPy has made strings of the numbers among them.
+        labels = np.array(y, dtype=object)
     if len(labels) != n_expected:
-        msg = f"got {len(labels)} labels for {n_expected} {what}: give one label for each"
-        raise InputError(msg)
-    if labels.dtype.kind == "f" and not np.isfinite(labels).all():
-        msg = f"labels hold NaN or infinite values: give each of the {what} one of two classes"
-        raise InputError(msg)
-    check_classification_targets(labels)
+        raise InputError(f"got {len(labels)} labels for {n_expected} {what}: give one label for each")
+    if labels.dtype.kind == "O":
+        labels = _of_one_type(labels, what)
+    kind = labels.dtype.kind
+    if kind == "f":
+        if not np.isfinite(labels).all():
+            raise InputError(
+                f"labels contain NaN or infinite values: give each of the {what} one of two classes"
+            )
+        if (labels != np.floor(labels)).any():
+            raise InputError(
+                "Unknown label type: continuous. The labels must be of two classes, such as 0 and 1: compare "
+                "your values with a threshold"
+            )
+    elif kind not in "biuUOT":
+        raise InputError(_unknown(labels[0], what))
     classes = np.unique(labels)
     if len(classes) > 2:
         listed = ", ".join(map(str, classes[:5]))
-        msg = (
+        raise InputError(
             "Only binary classification is supported. The type of the target is multiclass: "
             f"{len(classes)} classes ({listed}...); label each of the {what} positive or negative"
         )
-        raise InputError(msg)
     if len(classes) < 2:
         listed = ", ".join(map(str, classes)) or "none"
-        msg = f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
-        raise InputError(msg)
+        raise InputError(
+            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
+        )
     return BinaryLabels(classes, labels == classes[1])
+
+
+def _column(y: ArrayLike) -> NDArray[Any]:
+    """Return labels as a one-dimensional array."""
+    if isinstance(y, np.ma.MaskedArray) and np.ma.getmaskarray(y).any():
+        raise InputError("labels have masked values: give every label or leave its example out")
+    try:
+        labels = np.asarray(y)
+    except ValueError as error:
+        raise InputError("y should be a 1d array, got a nested sequence of unequal lengths") from error
+    if labels.ndim == 2 and labels.shape[1] == 1:
+        warnings.warn(
+            "A column-vector y was passed when a 1d array was expected. Please change the shape of y to "
+            "(n_samples,), for example using ravel().",
+            DataConversionWarning,
+            stacklevel=4,
+        )
+        labels = labels.ravel()
+    if labels.ndim != 1:
+        raise InputError(f"y should be a 1d array, got an array of shape {labels.shape} instead.")
+    return labels
+
+
+def _of_one_type(labels: NDArray[Any], what: str) -> NDArray[Any]:
+    """Return objects that are all strings as they are, and objects that are all numbers as numbers."""
+    if all(isinstance(label, str) for label in labels):
+        return labels
+    # NumPy counts time differences among the integers.
+    odd = [label for label in labels if not isinstance(label, _NUMBERS) or isinstance(label, np.timedelta64)]
+    if odd:
+        raise InputError(_unknown(odd[0], what))
+    return np.array(labels.tolist())
+
+
+def _unknown(label: object, what: str) -> str:
+    return (
+        f"Unknown label type: the labels contain {label!r}; give each of the {what} one of two classes, both "
+        "numbers, booleans or strings"
+    )

@@ -9,9 +9,7 @@ lies: a ball, a box, and two ellipsoids along the axes. The others are support v
 maximise, as their published names differ in nothing but capitals. Start with `OptimalBallClassifier`, which
 is fast and has nothing to tune.
 
-Train support vector machines at the same time in several processes, not threads: their solvers' warning that
-they did not converge is held back meanwhile, which `converged_` says, and Python's filters of warnings belong
-to all threads.
+Any number of them may be trained at the same time in threads, with the same results as one after the other.
 """
 
 from __future__ import annotations

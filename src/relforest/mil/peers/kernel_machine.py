@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
-from sklearn.svm import SVC
+from sklearn.svm import _libsvm
 
-from relforest.mil.convergence import convergence_unwarned
 from relforest.mil.squared_distances import squared_distances
 from relforest.support.options import at_least, in_range
 
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
 
 # 32 MB of kernel values. For more points than that LIBSVM, which computes only the rows it needs, is faster.
 MOST_STORED_POINTS: Final = 2000
+# LIBSVM's number of classification with a price of slack.
+_C_SVC: Final = 0
 # Of kernel rows that LIBSVM keeps, in MB.
 _CACHE_SIZE: Final = 200
 # Of kernel values for one block of points to score, 32 MB.
@@ -146,24 +147,29 @@ class KernelProblem:
         """Train a machine; `positive` (n,) must have both values."""
         settings = self._settings
         stored = self._kernel is not None
-        solver = SVC(
-            C=settings.C,
+        # Not through `sklearn.svm.SVC`, which changes filters of warnings and NumPy's global random state for
+        # all threads.
+        _libsvm.set_verbosity_wrap(0)
+        rows, _, _, coefficients, threshold, *_, status, _ = _libsvm.fit(
+            self._kernel if stored else self._centered,
+            positive.astype(np.float64),
+            svm_type=_C_SVC,
             kernel="precomputed" if stored else "rbf",
             gamma=self._gamma,
+            C=settings.C,
             tol=settings.tol,
             max_iter=settings.max_iter,
             cache_size=_CACHE_SIZE,
         )
-        with convergence_unwarned():
-            solver.fit(self._kernel if stored else self._centered, positive)
-        rows = solver.support_.astype(np.int64)
+        support = np.asarray(rows, dtype=np.int64)
+        # LIBSVM counts from the first class, which is the negative one.
         return KernelMachine(
-            self._points[rows],
-            solver.dual_coef_[0].copy(),
-            rows,
-            float(solver.intercept_[0]),
+            self._points[support],
+            -np.asarray(coefficients)[0],
+            support,
+            -float(threshold[0]),
             self._gamma,
-            solver.fit_status_ == 0,
+            status == 0,
         )
 
     def scores(self, machine: KernelMachine) -> NDArray[np.float64]:

@@ -6,11 +6,10 @@ import math
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
-from sklearn.svm import LinearSVC
 
 from relforest.mil.bag_classifier import BagClassifier
-from relforest.mil.convergence import convergence_unwarned
 from relforest.mil.peers.kernel_width import kernel_gamma
+from relforest.mil.sparse_machine import train_sparse_machine
 from relforest.mil.squared_distances import squared_distances
 from relforest.scenes.bags import Bags
 from relforest.support.options import at_least, in_range
@@ -115,27 +114,25 @@ class MILESClassifier(BagClassifier):
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_iter = at_least("max_iter", self.max_iter, 1)
-        solver = LinearSVC(
-            penalty="l1",
-            loss="squared_hinge",
-            dual=False,
-            C=in_range("C", self.C, 0.0, math.inf, open_low=True, open_high=True),
-            fit_intercept=bool(self.fit_intercept),
-            tol=in_range("tol", self.tol, 0.0, math.inf, open_low=True, open_high=True),
-            max_iter=max_iter,
-            random_state=int(generator(seed_sequence(self.random_state)).integers(2**31)),
-        )
+        price = in_range("C", self.C, 0.0, math.inf, open_low=True, open_high=True)
+        tol = in_range("tol", self.tol, 0.0, math.inf, open_low=True, open_high=True)
+        seed = int(generator(seed_sequence(self.random_state)).integers(2**31))
         gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
         # In lexical order, so that the order of bags and instances does not matter.
         instances = np.unique(bags.points, axis=0)
-        with convergence_unwarned():
-            solver.fit(embed(bags, instances, gamma), positive)
-        weights = solver.coef_[0]
-        used = weights != 0.0
-        self.prototypes_, self.coef_ = instances[used], weights[used]
-        self.intercept_, self.gamma_ = float(np.ravel(solver.intercept_)[0]), gamma
-        self.n_iter_ = int(solver.n_iter_)
-        self.converged_ = self.n_iter_ < max_iter
+        machine = train_sparse_machine(
+            embed(bags, instances, gamma),
+            positive,
+            (price, price),
+            fit_intercept=bool(self.fit_intercept),
+            tol=tol,
+            max_passes=max_iter,
+            seed=seed,
+        )
+        used = machine.coefficients != 0.0
+        self.prototypes_, self.coef_ = instances[used], machine.coefficients[used]
+        self.intercept_, self.gamma_ = machine.intercept, gamma
+        self.n_iter_, self.converged_ = machine.n_passes, machine.converged
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
         """Value of the linear machine, whose margins are at -1 and 1."""

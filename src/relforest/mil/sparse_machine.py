@@ -1,0 +1,287 @@
+"""Linear machines with few weights: L1 penalty and squared hinge loss, by coordinate descent.
+
+The steps are those of LIBLINEAR, and so are the weights, to the last bit. But LIBLINEAR has one random
+generator for the whole process, so that its result depends on what other threads train at the same time;
+here every machine has its own.
+
+Dimensions: n examples, k features, the threshold included.
+
+References
+----------
+Fan et al. (2008), "LIBLINEAR: a library for large linear classification", JMLR 9, appendix; Yuan et al.
+(2010), "A comparison of optimization methods and software for large-scale L1-regularized linear
+classification", JMLR 11.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple, final
+
+import numpy as np
+
+from relforest.mil.twister import next_below, next_word, seeded
+from relforest.support.jit import kernel
+from relforest.support.progress import report
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["SparseMachine", "train_sparse_machine"]
+
+_PASSES_PER_REPORT: Final = 50
+_MOST_HALVINGS: Final = 20
+_DECREASE: Final = 0.01
+_LEAST_CURVATURE: Final = 1e-12
+_LEAST_STEP: Final = 1e-12
+# Places in `Descent.numbers`.
+_LARGEST, _FIRST_SUM = 0, 1
+# Places in `Descent.counts`.
+_ACTIVE, _PASSES, _ENDED = 0, 1, 2
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class SparseMachine:
+    """A linear function of features.
+
+    Attributes
+    ----------
+    coefficients : (k,) array
+        Weights, without the threshold; many are 0.
+    intercept : float
+    n_passes : int
+        Passes over the features.
+    converged : bool
+        Whether the tolerance was reached before the last allowed pass.
+    """
+
+    coefficients: NDArray[np.float64]
+    intercept: float
+    n_passes: int
+    converged: bool
+
+
+class Descent(NamedTuple):
+    """A machine in training."""
+
+    columns: NDArray[np.float64]  # (k, n), signed by the class
+    prices: NDArray[np.float64]  # (n,) of slack
+    curvatures: NDArray[np.float64]  # (k,) upper bounds of half the second derivatives
+    weights: NDArray[np.float64]  # (k,)
+    slack: NDArray[np.float64]  # (n,) 1 minus the margin
+    order: NDArray[np.int64]  # (k,) the active features first
+    twister: NDArray[np.int64]
+    numbers: NDArray[np.float64]  # (2,) largest violation of the last pass, sum of violations of the first
+    counts: NDArray[np.int64]  # (3,) active features, passes made, whether it ended
+
+
+def train_sparse_machine(
+    features: NDArray[np.float64],
+    positive: NDArray[np.bool_],
+    prices: tuple[float, float],
+    *,
+    fit_intercept: bool,
+    tol: float,
+    max_passes: int,
+    seed: int,
+) -> SparseMachine:
+    """Minimise ``sum_k |w_k| + sum_i price_i max(0, 1 - margin_i)^2``.
+
+    Parameters
+    ----------
+    features : (n, k) array
+    positive : (n,) bool array
+        Labels; both values occur.
+    prices : (float, float)
+        Price of slack of negative and of positive examples.
+    fit_intercept : bool
+        Whether there is a threshold; it is penalised like a weight.
+    tol : float
+        Sum of the violations of the optimality conditions at which to stop, as a share of their sum in the
+        first pass, times the share of the rarer class.
+    max_passes : int
+        Most passes over the features.
+    seed : int
+        Decides the order of the features.
+    """
+    if features.shape[1] + fit_intercept == 0:
+        return SparseMachine(np.empty(0), 0.0, 0, converged=True)
+    # The negative ones first, so that sums are rounded as LIBLINEAR rounds them.
+    grouped = np.argsort(positive, kind="stable")
+    sign = np.where(positive[grouped], 1.0, -1.0)
+    columns = np.empty((features.shape[1] + fit_intercept, len(features)))
+    columns[: features.shape[1]] = features[grouped].T
+    columns[features.shape[1] :] = 1.0
+    columns *= sign
+    descent = _started(columns, np.where(sign > 0.0, prices[1], prices[0]), seed)
+    n_positive = int(np.count_nonzero(positive))
+    tol *= max(1, min(n_positive, len(features) - n_positive))
+    tol /= len(features)
+    while not descent.counts[_ENDED]:
+        done = int(descent.counts[_PASSES])
+        report("training a linear machine: passes", done, max_passes)
+        _descend(descent, tol, min(max_passes, done + _PASSES_PER_REPORT), max_passes)
+    n_passes = int(descent.counts[_PASSES])
+    n_weights = features.shape[1]
+    intercept = float(descent.weights[n_weights]) if fit_intercept else 0.0
+    return SparseMachine(descent.weights[:n_weights].copy(), intercept, n_passes, n_passes < max_passes)
+
+
+def _started(columns: NDArray[np.float64], prices: NDArray[np.float64], seed: int) -> Descent:
+    n_weights, n_examples = columns.shape
+    # As scikit-learn derives LIBLINEAR's seed from its own.
+    words = seeded(seed)
+    derived = next_word(words) & 0x7FFFFFFF
+    while derived > 2**31 - 2:
+        derived = next_word(words) & 0x7FFFFFFF
+    return Descent(
+        columns,
+        prices,
+        _curvatures(columns, prices),
+        np.zeros(n_weights),
+        np.ones(n_examples),
+        np.arange(n_weights),
+        seeded(derived),
+        np.array([np.inf, -1.0]),
+        np.array([n_weights, 0, 0]),
+    )
+
+
+@kernel
+def _curvatures(columns: NDArray[np.float64], prices: NDArray[np.float64]) -> NDArray[np.float64]:
+    curvatures = np.zeros(len(columns))
+    for k in range(len(columns)):
+        for i in range(len(prices)):
+            curvatures[k] += prices[i] * columns[k, i] * columns[k, i]
+    return curvatures
+
+
+@kernel
+def _descend(descent: Descent, tol: float, until: int, max_passes: int) -> None:
+    """Make passes, and end where the violations are small enough or `max_passes` are made."""
+    counts, numbers = descent.counts, descent.numbers
+    while counts[_PASSES] < until:
+        largest, total = _pass(descent)
+        if counts[_PASSES] == 0:
+            numbers[_FIRST_SUM] = total
+        counts[_PASSES] += 1
+        numbers[_LARGEST] = largest
+        if total <= tol * numbers[_FIRST_SUM]:
+            if counts[_ACTIVE] == len(descent.weights):
+                counts[_ENDED] = 1
+                return
+            # Features that were set aside must be looked at once more.
+            counts[_ACTIVE] = len(descent.weights)
+            numbers[_LARGEST] = np.inf
+    counts[_ENDED] = counts[_PASSES] >= max_passes
+
+
+@kernel
+def _pass(descent: Descent) -> tuple[float, float]:
+    """Improve every active weight once, in random order; the largest violation found, and their sum."""
+    counts, order, weights = descent.counts, descent.order, descent.weights
+    margin = descent.numbers[_LARGEST] / len(descent.slack)
+    for place in range(counts[_ACTIVE]):
+        _swap(order, place, place + next_below(descent.twister, counts[_ACTIVE] - place))
+    largest, total = 0.0, 0.0
+    place = 0
+    while place < counts[_ACTIVE]:
+        k = order[place]
+        slope, curvature = _derivatives(descent.columns[k], descent.prices, descent.slack)
+        if weights[k] == 0.0 and slope + 1.0 > margin and slope - 1.0 < -margin:
+            counts[_ACTIVE] -= 1
+            _swap(order, place, counts[_ACTIVE])
+            continue
+        violation = _violation(weights[k], slope)
+        largest = max(largest, violation)
+        total += violation
+        step = _newton_step(weights[k], slope, curvature)
+        if abs(step) >= _LEAST_STEP:
+            _move(descent, k, step, slope)
+        place += 1
+    return largest, total
+
+
+@kernel
+def _swap(order: NDArray[np.int64], one: int, other: int) -> None:
+    order[one], order[other] = order[other], order[one]
+
+
+@kernel
+def _derivatives(
+    column: NDArray[np.float64], prices: NDArray[np.float64], slack: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Return the first and second derivative of the loss by one weight."""
+    slope, curvature = 0.0, 0.0
+    for i in range(len(slack)):
+        if slack[i] > 0.0:
+            priced = prices[i] * column[i]
+            slope -= priced * slack[i]
+            curvature += priced * column[i]
+    return 2.0 * slope, max(2.0 * curvature, _LEAST_CURVATURE)
+
+
+@kernel
+def _violation(weight: float, slope: float) -> float:
+    """By how much the optimality condition of a weight is violated."""
+    if weight > 0.0:
+        return abs(slope + 1.0)
+    if weight < 0.0:
+        return abs(slope - 1.0)
+    return max(-(slope + 1.0), slope - 1.0, 0.0)
+
+
+@kernel
+def _newton_step(weight: float, slope: float, curvature: float) -> float:
+    """Return the step to the minimum of the quadratic model plus |weight|."""
+    if slope + 1.0 < curvature * weight:
+        return -(slope + 1.0) / curvature
+    if slope - 1.0 > curvature * weight:
+        return -(slope - 1.0) / curvature
+    return -weight
+
+
+@kernel
+def _move(descent: Descent, k: int, step: float, slope: float) -> None:
+    """Change a weight by a step, halved until the objective decreases enough."""
+    column, prices, slack, weights = descent.columns[k], descent.prices, descent.slack, descent.weights
+    penalty = abs(weights[k] + step) - abs(weights[k])
+    promised = penalty + slope * step
+    made, before = 0.0, 0.0
+    for halving in range(_MOST_HALVINGS):
+        rest = abs(weights[k] + step) - abs(weights[k]) - _DECREASE * promised
+        change = made - step
+        # A bound of the change of the loss often makes it unnecessary to compute it.
+        if descent.curvatures[k] * step * step + slope * step + rest <= 0.0:
+            for i in range(len(slack)):
+                slack[i] += change * column[i]
+            weights[k] += step
+            return
+        if halving == 0:
+            before = _loss(column, prices, slack)
+        for i in range(len(slack)):
+            slack[i] += change * column[i]
+        if rest + _loss(column, prices, slack) - before <= 0.0:
+            weights[k] += step
+            return
+        made = step
+        step *= 0.5
+        promised *= 0.5
+    weights[k] += step
+    # Too many roundings have piled up in the slack.
+    slack[:] = 1.0
+    for j in range(len(weights)):
+        if weights[j] != 0.0:
+            for i in range(len(slack)):
+                slack[i] -= weights[j] * descent.columns[j, i]
+
+
+@kernel
+def _loss(column: NDArray[np.float64], prices: NDArray[np.float64], slack: NDArray[np.float64]) -> float:
+    """Loss of the examples that a column bears on."""
+    loss = 0.0
+    for i in range(len(slack)):
+        if column[i] != 0.0 and slack[i] > 0.0:
+            loss += prices[i] * slack[i] * slack[i]
+    return loss

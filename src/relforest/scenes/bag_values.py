@@ -1,0 +1,183 @@
+"""The numbers of one array of points, whatever holds them: arrays, nested lists, data frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import date, time, timedelta
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any, NamedTuple, cast, final
+
+import narwhals as nw
+import numpy as np
+
+from relforest.scenes.arrays import FloatArray
+from relforest.support.errors import InputError
+
+__all__ = [
+    "BagTypeError",
+    "Values",
+    "are_names",
+    "as_values",
+    "dimensions",
+    "in_order_of",
+    "is_sparse",
+    "refuse_masked",
+]
+
+_MOMENTS = (date, time, timedelta, np.datetime64, np.timedelta64)
+
+
+@final
+class BagTypeError(InputError, TypeError):
+    """A value in a bag is not a number; scikit-learn expects a `TypeError` here."""
+
+
+class Values(NamedTuple):
+    """Numbers, and the labels of the columns they came from."""
+
+    array: FloatArray
+    columns: tuple[Any, ...] | None = None  # None where nothing labels them
+
+
+def are_names(columns: tuple[Any, ...] | None) -> bool:
+    """Whether columns have names: as in scikit-learn, only strings are names."""
+    return columns is not None and all(isinstance(label, str) for label in columns)
+
+
+def as_values(values: object, what: str) -> Values:
+    """Return numbers as a new float64 array of any shape.
+
+    Parameters
+    ----------
+    values : array, nested sequence, or pandas, polars or pyarrow table
+    what : str
+        Name for error messages, such as ``"bag 3"``.
+
+    Raises
+    ------
+    InputError
+        If rows differ in length, a value is not a real number or is masked, or column names are of mixed
+        types or repeated. Missing values become NaN.
+    """
+    if _is_frame(values):
+        return _from_frame(values, what)
+    if is_sparse(values):
+        raise InputError(
+            f"{what} is sparse, which is not supported: pass a dense array, for instance with .toarray()"
+        )
+    if hasattr(values, "collect"):
+        raise InputError(f"{what} is a lazy table: call its collect() first")
+    refuse_masked(values, what)
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(
+            f"{what} has rows of different lengths: every point needs the same number of values, and every "
+            "bag must be a 2-D array"
+        ) from error
+    return Values(_as_floats(array, what))
+
+
+def in_order_of(reference: Sequence[Any], values: Values) -> Values:
+    """Return values with their labelled columns in the order of `reference`, which has the same labels."""
+    if values.columns is None or values.columns == tuple(reference):
+        return values
+    place = {label: number for number, label in enumerate(values.columns)}
+    return Values(values.array[..., [place[label] for label in reference]], tuple(reference))
+
+
+def dimensions(value: object) -> int:
+    """Return the number of dimensions without converting nested lists whole."""
+    shape = getattr(value, "shape", None)
+    if isinstance(shape, tuple):
+        return len(shape)
+    if isinstance(value, (list, tuple)):
+        return 1 + (dimensions(value[0]) if value else 0)
+    return 0
+
+
+def is_sparse(value: object) -> bool:
+    """Whether this is a sparse matrix or array."""
+    return hasattr(value, "toarray") and hasattr(value, "nnz")
+
+
+def refuse_masked(value: object, what: str) -> None:
+    """Raise an error if an array, or one inside a nested list, has masked values."""
+    if isinstance(value, np.ma.MaskedArray):
+        if np.ma.getmaskarray(value).any():
+            raise InputError(f"{what} has masked values: drop these points or fill in the values")
+    elif isinstance(value, (list, tuple)):
+        for entry in value:
+            refuse_masked(entry, what)
+
+
+def _is_frame(value: object) -> bool:
+    plain = isinstance(value, (np.ndarray, list, tuple))
+    return not plain and bool(nw.dependencies.is_into_dataframe(value))
+
+
+def _from_frame(frame: object, what: str) -> Values:
+    try:
+        table = cast("nw.DataFrame[Any]", nw.from_native(cast("Any", frame), eager_only=True))
+        columns = tuple(table.columns)
+    except nw.exceptions.NarwhalsError as error:
+        raise InputError(f"{what} has two columns of the same name: give every column its own") from error
+    named = [isinstance(label, str) for label in columns]
+    if any(named) and not all(named):
+        types = sorted({type(label).__qualname__ for label in columns})
+        raise InputError(
+            "Feature names are only supported if all input features have string names, but your input has "
+            f"{types} as feature name / column name types ({what}): convert the names to strings"
+        )
+    array = np.asarray(frame)
+    if array.dtype.kind in "fiub":
+        return Values(array.astype(np.float64), columns)
+    numbers = np.empty(array.shape)
+    for place, label in enumerate(columns):
+        entries = np.empty(len(array), dtype=object)
+        entries[:] = table.get_column(label).to_list()
+        numbers[:, place] = _as_floats(entries, f"column {label!r} of {what}")
+    return Values(numbers, columns)
+
+
+def _as_floats(array: np.ndarray[Any, Any], what: str) -> FloatArray:
+    kind = array.dtype.kind
+    if kind in "fiub":
+        # A long double may be too large for a float; it is then infinite, and refused as such.
+        with np.errstate(over="ignore"):
+            return array.astype(np.float64)
+    if kind == "O":
+        return np.array([_as_float(value, what) for value in array.flat], dtype=np.float64).reshape(
+            array.shape
+        )
+    _refuse_kind(kind, what)
+    raise InputError(f"{what} is of type {array.dtype}: convert it to numbers")
+
+
+def _as_float(value: object, what: str) -> float:
+    # The second is pandas' missing value.
+    if value is None or type(value).__name__ == "NAType":
+        return float("nan")
+    if isinstance(value, (str, bytes)):
+        _refuse_kind("U", what)
+    if isinstance(value, _MOMENTS):
+        _refuse_kind("M", what)
+    if isinstance(value, (complex, np.complexfloating)):
+        _refuse_kind("c", what)
+    try:
+        return float(cast("float | Decimal | Fraction", value))
+    except OverflowError:
+        return float("inf")
+    except (TypeError, ValueError) as error:
+        raise BagTypeError(f"{what} must contain numbers: {error}") from error
+
+
+def _refuse_kind(kind: str, what: str) -> None:
+    """Raise an error if arrays of this kind (of NumPy) contain no real numbers."""
+    if kind == "c":
+        raise InputError(f"Complex data not supported: {what} contains complex numbers")
+    if kind in "USTa":
+        raise InputError(f"{what} contains strings: convert them to numbers")
+    if kind in "mM":
+        raise InputError(f"{what} contains dates or times: convert them to numbers, in a unit of your choice")
