@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from relforest.mil.feature_view import FeatureView
 from relforest.mil.squared_distances import squared_distances
+from relforest.support.progress import report
 from relforest.volumes import Ellipsoid
 
 __all__ = [
@@ -150,6 +151,7 @@ class Balls:
         n_bags = len(starts) - 1
         nearest, shares = np.empty((n_bags, len(self.centres))), np.empty((n_bags, len(self.centres)))
         for first, last in bag_blocks(starts):
+            report("measuring nearness to balls: bags", first, n_bags)
             rows = slice(starts[first], starts[last])
             near, share = self.point_nearness(self.view.coordinates(points[rows]))
             within = starts[first : last + 1] - starts[first]

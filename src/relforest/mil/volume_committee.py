@@ -33,6 +33,7 @@ from relforest.support.blas import one_blas_thread
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, one_of
 from relforest.support.parallel import checked_jobs, run_tasks
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 
 if TYPE_CHECKING:
@@ -73,6 +74,8 @@ class VolumeCommitteeClassifier(BagClassifier):
         Seed of all sampling; an integer makes `fit` repeatable.
     n_jobs : int, default 1
         Splits trained at the same time; -1 for all cores. The result does not depend on it.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -114,7 +117,7 @@ class VolumeCommitteeClassifier(BagClassifier):
     array([1, 1, 0])
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # scikit-learn knows no other way to set options
         self,
         *,
         n_splits: int = 5,
@@ -125,6 +128,7 @@ class VolumeCommitteeClassifier(BagClassifier):
         panels: Sequence[str] = PANELS,
         random_state: RandomState = None,
         n_jobs: int = 1,
+        verbose: bool = False,
     ) -> None:
         self.n_splits = n_splits
         self.n_volumes = n_volumes
@@ -134,6 +138,7 @@ class VolumeCommitteeClassifier(BagClassifier):
         self.panels = panels
         self.random_state = random_state
         self.n_jobs = n_jobs
+        self.verbose = verbose
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         panels, sizes = self._checked_panels(), self._checked_sizes()
@@ -164,10 +169,10 @@ class VolumeCommitteeClassifier(BagClassifier):
             for number, (train, _) in enumerate(splits)
         ]
         found = run_tasks(find_split_volumes, tasks, n_jobs=self.n_jobs, prefer="threads")
-        members = [
-            train_panels(training, panels, volumes, *split)
-            for volumes, split in zip(found, splits, strict=True)
-        ]
+        members = []
+        for number, split in enumerate(splits):
+            report("weighing volumes: splits", number, len(splits))
+            members.append(train_panels(training, panels, found[number], *split))
         self._combine(panels, members, [test for _, test in splits], positive, balls)
 
     def _checked_panels(self) -> tuple[str, ...]:

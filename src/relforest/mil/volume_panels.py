@@ -19,6 +19,7 @@ from relforest.mil.feature_view import FeatureView
 from relforest.mil.logistic_rule import balance, fit_logistic
 from relforest.mil.placed_volume import PlacedVolume
 from relforest.mil.sparse_machine import train_sparse_machine
+from relforest.support.progress import report
 from relforest.volumes import CovAggSettings
 
 __all__ = [
@@ -122,7 +123,9 @@ def find_volumes(
     plan = VOLUME_PANELS[panel]
     coordinates, starts, positive = bags
     found = []
-    for number in range(max(1, round(plan.share * n_volumes))):
+    n_wanted = max(1, round(plan.share * n_volumes))
+    for number in range(n_wanted):
+        report(f"finding volumes of the panel {panel!r}", number, n_wanted)
         wanted = positive if number % 2 == 0 else ~positive
         sampled = _sample_bags(wanted, plan.least_ratio, rng)
         features, part = np.arange(view.dim), view

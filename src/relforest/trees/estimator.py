@@ -14,6 +14,7 @@ from relforest.scenes.ids import plain
 from relforest.scenes.labels import binary_labels
 from relforest.support.errors import InputError
 from relforest.support.numerals import probability
+from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.trees.growth import grow
 from relforest.trees.inference import query
@@ -82,6 +83,8 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         Seed; an integer makes `fit` repeatable.
     n_jobs : int, default 1
         Threads for prediction, -1 = one per core. Nothing depends on it but time.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -125,6 +128,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         max_points: int = 100_000,
         random_state: RandomState = None,
         n_jobs: int = 1,
+        verbose: bool = False,
     ) -> None:
         self.test = test
         self.alpha = alpha
@@ -133,6 +137,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         self.max_points = max_points
         self.random_state = random_state
         self.n_jobs = n_jobs
+        self.verbose = verbose
 
     def fit(self, scenes: Scenes, y: ArrayLike) -> Self:
         """Learn a tree.
@@ -156,9 +161,9 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
             max_points=self.max_points,
         )
         labels = binary_labels(y, len(_checked(scenes)), what="scenes")
-        growth = grow(
-            scenes, labels.positive, rng=generator(seed_sequence(self.random_state)), settings=settings
-        )
+        rng = generator(seed_sequence(self.random_state))
+        with printed_to_stderr(self.verbose):
+            growth = grow(scenes, labels.positive, rng=rng, settings=settings)
         self.classes_ = labels.classes
         self.tree_: Tree = growth.tree
         self.steps_: tuple[Step, ...] = growth.steps

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from relforest.support.progress import report
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -59,6 +61,7 @@ def alternate(
     seen = {choice.tobytes()}
     number = 1
     while True:
+        report("training machines: rounds", number - 1, max_rounds)
         machine, chosen = train_and_choose(choice)
         if np.array_equal(chosen, choice):
             return Alternation(machine, number, machine.converged)

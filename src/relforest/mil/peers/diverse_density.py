@@ -10,8 +10,8 @@ from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.mil.peers.hypotheses import Hypothesis, search_space
 from relforest.mil.peers.noisy_or import Sample, bag_log_odds, instance_log_odds
 from relforest.mil.peers.quasi_newton import descend
-from relforest.support.jit import kernel
 from relforest.support.options import at_least
+from relforest.support.progress import report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +38,8 @@ class DiverseDensityClassifier(InstanceClassifier):
         How many of the starts are climbed to the end: those that are best after 10 steps. None climbs all.
     max_steps : int, default 500
         Most steps of one ascent.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -83,10 +85,18 @@ class DiverseDensityClassifier(InstanceClassifier):
     scales_: NDArray[np.float64]
     negative_log_density_: float
 
-    def __init__(self, *, scale: bool = True, refined: int | None = 10, max_steps: int = 500) -> None:
+    def __init__(
+        self,
+        *,
+        scale: bool = True,
+        refined: int | None = 10,
+        max_steps: int = 500,
+        verbose: bool = False,
+    ) -> None:
         self.scale = scale
         self.refined = refined
         self.max_steps = max_steps
+        self.verbose = verbose
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_steps = at_least("max_steps", self.max_steps, 1)
@@ -110,7 +120,6 @@ class DiverseDensityClassifier(InstanceClassifier):
         return bag_log_odds(squared, bags.starts)
 
 
-@kernel
 def densest(
     sample: Sample, starts: NDArray[np.float64], kept: int, max_steps: int
 ) -> tuple[NDArray[np.float64], float]:
@@ -133,14 +142,16 @@ def densest(
     values = np.full(kept, np.inf)
     hypotheses = starts[:kept].copy()
     first_steps = min(_FIRST_STEPS, max_steps)
-    for start in starts:
+    for number, start in enumerate(starts):
+        report("first steps from instances", number, len(starts))
         hypothesis = start.copy()
         value = descend(sample, hypothesis, first_steps, _FIRST_TOLERANCE)
-        worst = np.argmax(values)
+        worst = int(np.argmax(values))
         if value < values[worst]:
             values[worst] = value
             hypotheses[worst] = hypothesis
     for i in range(kept):
+        report("climbing from the best starts", i, kept)
         values[i] = descend(sample, hypotheses[i], max_steps - first_steps, _TOLERANCE)
-    best = np.argmin(values)
-    return hypotheses[best], values[best]
+    best = int(np.argmin(values))
+    return hypotheses[best], float(values[best])

@@ -12,6 +12,7 @@ from relforest.mil.peers.noisy_or import CERTAINTY, Sample, fill_squared_distanc
 from relforest.mil.peers.quasi_newton import descend
 from relforest.support.jit import kernel
 from relforest.support.options import at_least
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class EMDDClassifier(InstanceClassifier):
         Most steps of one ascent.
     random_state : int, SeedSequence, Generator or None, default None
         Seed of the drawing of bags; an integer makes `fit` repeatable.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -98,11 +101,13 @@ class EMDDClassifier(InstanceClassifier):
         start_bags: int | None = 3,
         max_steps: int = 500,
         random_state: RandomState = None,
+        verbose: bool = False,
     ) -> None:
         self.scale = scale
         self.start_bags = start_bags
         self.max_steps = max_steps
         self.random_state = random_state
+        self.verbose = verbose
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_steps = at_least("max_steps", self.max_steps, 1)
@@ -123,7 +128,6 @@ class EMDDClassifier(InstanceClassifier):
         return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
 
 
-@kernel
 def most_convincing(
     sample: Sample, starts: NDArray[np.float64], max_steps: int
 ) -> tuple[NDArray[np.float64], float]:
@@ -143,7 +147,8 @@ def most_convincing(
     """
     best, best_value, fewest = starts[0].copy(), np.inf, len(sample.positive) + 1
     squared = np.empty(len(sample.points))
-    for start in starts:
+    for number, start in enumerate(starts):
+        report("searching from instances", number, len(starts))
         hypothesis = start.copy()
         value = improve_by_rounds(sample, hypothesis, max_steps, squared)
         mistakes = count_mistakes(sample, hypothesis, squared)

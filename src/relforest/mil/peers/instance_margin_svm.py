@@ -42,6 +42,8 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
         LIBSVM's tolerance.
     max_solver_iter : int, default 10_000_000
         Most steps of LIBSVM in one round.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -87,6 +89,7 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
         max_iter: int = 50,
         tol: float = 1e-3,
         max_solver_iter: int = 10_000_000,
+        verbose: bool = False,
     ) -> None:
         self.C = C
         self.gamma = gamma
@@ -95,6 +98,7 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
         self.max_iter = max_iter
         self.tol = tol
         self.max_solver_iter = max_solver_iter
+        self.verbose = verbose
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_iter = at_least("max_iter", self.max_iter, 1)

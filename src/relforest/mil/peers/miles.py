@@ -13,6 +13,7 @@ from relforest.mil.sparse_machine import train_sparse_machine
 from relforest.mil.squared_distances import squared_distances
 from relforest.scenes.bags import Bags
 from relforest.support.options import at_least, in_range
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ class MILESClassifier(BagClassifier):
         Most passes of LIBLINEAR over the features.
     random_state : int, SeedSequence, Generator or None, default None
         Seed of the order in which LIBLINEAR visits the features; an integer makes `fit` repeatable.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -103,6 +106,7 @@ class MILESClassifier(BagClassifier):
         tol: float = 0.01,
         max_iter: int = 5000,
         random_state: RandomState = None,
+        verbose: bool = False,
     ) -> None:
         self.C = C
         self.gamma = gamma
@@ -111,6 +115,7 @@ class MILESClassifier(BagClassifier):
         self.tol = tol
         self.max_iter = max_iter
         self.random_state = random_state
+        self.verbose = verbose
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_iter = at_least("max_iter", self.max_iter, 1)
@@ -162,6 +167,7 @@ def embed(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[
     values = np.empty((len(bags), len(prototypes)))
     step = max(1, _BLOCK // len(points))
     for first in range(0, len(prototypes), step):
+        report("comparing bags with instances", first, len(prototypes))
         block = slice(first, first + step)
         values[:, block] = np.minimum.reduceat(squared_distances(points, prototypes[block]), bags.starts[:-1])
     # A product too large for a number leads to the right feature, 0.

@@ -10,6 +10,7 @@ from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.mil.peers.kernel_machine import KernelProblem, SolverSettings
 from relforest.mil.peers.kernel_width import kernel_gamma
 from relforest.scenes.bags import Bags
+from relforest.support.progress import report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,6 +37,8 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
         LIBSVM's tolerance.
     max_solver_iter : int, default 10_000_000
         Most steps of LIBSVM.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -75,6 +78,7 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
         scale_C: bool = True,
         tol: float = 1e-3,
         max_solver_iter: int = 10_000_000,
+        verbose: bool = False,
     ) -> None:
         self.C = C
         self.gamma = gamma
@@ -82,12 +86,14 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
         self.scale_C = scale_C
         self.tol = tol
         self.max_solver_iter = max_solver_iter
+        self.verbose = verbose
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         shares = len(bags.points) if self.scale_C else 1
         settings = SolverSettings.checked(self.C, self.tol, self.max_solver_iter, shares=shares)
         gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
         problem = KernelProblem(bags.points, gamma, settings)
+        report("training a machine")
         self.machine_, self.gamma_ = problem.solve(positive.repeat(bags.counts)), gamma
         self.converged_ = self.machine_.converged
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Final, Literal
+from collections.abc import Callable
+from typing import Any, Final, Literal, final
 
+from joblib import effective_n_jobs
 from sklearn.base import BaseEstimator
 from sklearn.metrics import make_scorer
-from sklearn.model_selection import GridSearchCV, StratifiedKFold
+from sklearn.model_selection import GridSearchCV, ParameterGrid, StratifiedKFold
 from sklearn.pipeline import Pipeline
 
 from relforest.metrics import peirce_skill_score
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, one_of
+from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence
 
 # Nearest to the heuristic values first: the first of equally good settings wins.
@@ -53,7 +56,7 @@ def tuned(
     n_splits: int = 5,
     random_state: RandomState = 0,
     n_jobs: int | None = None,
-) -> GridSearchCV:
+) -> TunedSearch:
     """Wrap a classifier of bags in a search for C and the factor of gamma.
 
     Parameters
@@ -72,11 +75,11 @@ def tuned(
 
     Returns
     -------
-    GridSearchCV
-        Unfitted. It takes a list of bags or an array, but no ``(X, bag_ids)``, and chooses the highest mean
-        Peirce skill score over the folds; of equal ones, the setting nearest to the heuristic values. In the
-        names of a pipeline's parameters, those of the machine come after the name of its step, as in
-        ``best_params_["milesclassifier__C"]``.
+    TunedSearch
+        A `sklearn.model_selection.GridSearchCV`, unfitted. It takes a list of bags or an array, but no
+        ``(X, bag_ids)``, and chooses the highest mean Peirce skill score over the folds; of equal ones, the
+        setting nearest to the heuristic values. In the names of a pipeline's parameters, those of the machine
+        come after the name of its step, as in ``best_params_["milesclassifier__C"]``.
 
     Raises
     ------
@@ -111,7 +114,7 @@ def tuned(
     values = {prefix + name: tried for name, tried in svm_grid(grid).items()}
     fold_seed = int(generator(seed_sequence(random_state)).integers(2**31))
     folds = StratifiedKFold(at_least("n_splits", n_splits, 2), shuffle=True, random_state=fold_seed)
-    return GridSearchCV(
+    return TunedSearch(
         estimator,
         values,
         scoring=make_scorer(peirce_skill_score),
@@ -119,6 +122,19 @@ def tuned(
         n_jobs=n_jobs,
         error_score="raise",
     )
+
+
+@final
+class TunedSearch(GridSearchCV):  # type: ignore[misc]  # scikit-learn is untyped
+    """A grid search that reports how many settings are done (`relforest.support.progress`)."""
+
+    def _run_search(self, evaluate_candidates: Callable[[list[dict[str, Any]]], object]) -> None:
+        candidates = list(ParameterGrid(self.param_grid))
+        # As many at a time as keep all workers busy; for one worker, one.
+        step = effective_n_jobs(self.n_jobs)
+        for first in range(0, len(candidates), step):
+            report("tuning: settings", first, len(candidates))
+            evaluate_candidates(candidates[first : first + step])
 
 
 def _prefix_of_machine(estimator: BaseEstimator) -> str:

@@ -1,0 +1,12 @@
+"""Every estimator learns in several threads what it learns alone, and leaves the process as it was."""
+
+from __future__ import annotations
+
+import pytest
+
+from thread_check import LEARNERS, differences
+
+
+@pytest.mark.parametrize("name", LEARNERS)
+def test_fits_in_threads_equal_fits_alone(name: str) -> None:
+    assert differences(LEARNERS[name], 2) == []
