@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import date, time, timedelta
 from decimal import Decimal
 from fractions import Fraction
@@ -130,12 +131,14 @@ def _from_frame(frame: object, what: str) -> Values:
             "Feature names are only supported if all input features have string names, but your input has "
             f"{types} as feature name / column name types ({what}): convert the names to strings"
         )
-    array = np.asarray(frame)
-    if array.dtype.kind in "fiub":
-        return Values(array.astype(np.float64), columns)
-    numbers = np.empty(array.shape)
+    # Columns without a common type are an error, or objects.
+    with suppress(TypeError, ValueError):
+        array = np.asarray(frame)
+        if array.dtype.kind in "fiub":
+            return Values(array.astype(np.float64), columns)
+    numbers = np.empty((len(table), len(columns)))
     for place, label in enumerate(columns):
-        entries = np.empty(len(array), dtype=object)
+        entries = np.empty(len(table), dtype=object)
         entries[:] = table.get_column(label).to_list()
         numbers[:, place] = _as_floats(entries, f"column {label!r} of {what}")
     return Values(numbers, columns)
