@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from datetime import date, time, timedelta
 from decimal import Decimal
 from fractions import Fraction
@@ -131,8 +130,8 @@ def _from_frame(frame: object, what: str) -> Values:
             "Feature names are only supported if all input features have string names, but your input has "
             f"{types} as feature name / column name types ({what}): convert the names to strings"
         )
-    # Columns without a common type are an error, or objects.
-    with suppress(TypeError, ValueError):
+    # Polars would turn dates into numbers.
+    if all(dtype.is_numeric() or dtype == nw.Boolean for dtype in table.schema.values()):
         array = np.asarray(frame)
         if array.dtype.kind in "fiub":
             return Values(array.astype(np.float64), columns)
