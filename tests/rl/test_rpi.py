@@ -12,6 +12,7 @@ from relforest.rl.rpi import SMRFRPI
 from relforest.rl.settings import LSPISettings, RPISettings
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.locks import FolderLock
+from relforest.support.progress import Stage, listening
 from relforest.worlds.corridor.env import CorridorEnv
 from rl.small_worlds import Picking, Reaching
 
@@ -191,3 +192,26 @@ def test_loading_checks_files_and_world(learned: SMRFRPI, tmp_path: Path) -> Non
     (tmp_path / "policy.json").write_text("{", "utf-8")
     with pytest.raises(ModelFormatError, match=r"policy\.json"):
         SMRFRPI.load(tmp_path, CorridorEnv())
+
+
+def test_every_part_of_an_iteration_is_reported_and_changes_nothing(learned: SMRFRPI) -> None:
+    heard: list[Stage] = []
+    with listening(heard.append):
+        again = agent(n_jobs=2).learn(2, 6)
+    parts = {stage.within[:3] for stage in heard}
+
+    assert same(again, learned)
+    assert Stage("episodes", 5, 6, ("iteration 0", "testing")) in heard
+    assert Stage("episodes", 5, 6, ("iteration 2", "training")) in heard
+    assert Stage("policy iteration", 0, 50, ("iteration 1",)) in heard
+    assert ("iteration 1", "round 1", "tree 1 of 4") in parts
+
+
+def test_a_verbose_agent_tells_on_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
+    agent(verbose=True).learn(1, 6)
+    printed = capsys.readouterr()
+
+    assert printed.out == ""
+    assert printed.err.startswith("iteration 0, testing, episodes: 0 of 6\n")
+    with pytest.raises(InputError, match="verbose must be True or False, got 2"):
+        agent(verbose=2)

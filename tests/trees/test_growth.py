@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.errors import InputError
+from relforest.support.progress import Stage, listening
 from relforest.trees import Growth, Leaf, Question, TreeSettings, grow, query
 from relforest.trees.significance import sidak
 from relforest.volumes import CovAggSettings
@@ -359,3 +360,16 @@ def test_values_too_large_for_a_volume_are_refused() -> None:
     scenes = of_weights([[1e31], [1.0], [2.0]])
     with pytest.raises(InputError, match=r"beyond 1e\+30"):
         grown(scenes, np.array([True, False, True]))
+
+
+def test_growth_reports_its_questions_and_gives_the_same_tree() -> None:
+    scenes, labels = heavy_scenes()
+    silent = grown(scenes, labels, test="permutation")
+    heard: list[Stage] = []
+    with listening(heard.append):
+        told = grown(scenes, labels, test="permutation")
+
+    assert told.tree.to_dict() == silent.tree.to_dict()
+    assert Stage("expansions prepared", 0, None, ("question 1",)) in heard
+    assert Stage("expansions tried", 0, 1, ("question 1",)) in heard
+    assert Stage("expansions tried", 0, 1, ("question 1", "shuffle 7 of 99")) in heard
