@@ -23,7 +23,8 @@ def checked_action(action: object, n_actions: int, meaning: str = "", name: str 
     Parameters
     ----------
     action : object
-        An integer of any kind: Python's, NumPy's, or an array of an integer without dimensions.
+        What Gymnasium's space contains: a Python integer (a bool is one), a NumPy integer, or an integer
+        array without dimensions.
     n_actions : int
         Size of the space.
     meaning : str
@@ -97,8 +98,18 @@ def checked_render_mode(render_mode: object) -> str | None:
     """
     if render_mode is None or (isinstance(render_mode, str) and render_mode in RENDER_MODES):
         return render_mode
-    remedy = '; use gymnasium.make(..., render_mode="human")' if render_mode == "human" else ""
-    raise InputError(f'render_mode must be "rgb_array" or None, got {render_mode!r}{remedy}')
+    raise InputError(
+        'render_mode must be None or "rgb_array" (gymnasium.make also takes "human" and "rgb_array_list"), '
+        f"got {render_mode!r}"
+    )
+
+
+def entries(values: object) -> tuple[Any, ...]:
+    """Return the entries of what a user gives as a pair or a triple; none if it is not a sequence."""
+    try:
+        return tuple(values)  # type: ignore[arg-type]
+    except TypeError:
+        return ()
 
 
 def checked_generator(rng: object) -> np.random.Generator:

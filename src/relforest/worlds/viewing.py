@@ -41,11 +41,12 @@ def viewable(make: Maker) -> Maker:
 
     # Annotated as little as possible: the world checks the mode.
     def made(render_mode: Any = None, **options: Any) -> gymnasium.Env[Any, Any]:  # noqa: ANN401
-        if render_mode == "human":
-            check_window()
-            return HumanRendering(make("rgb_array", **options))
-        if render_mode == "rgb_array_list":
-            return RenderCollection(make("rgb_array", **options))
+        match render_mode:
+            case "human":
+                check_window()
+                return HumanRendering(make("rgb_array", **options))
+            case "rgb_array_list":
+                return RenderCollection(make("rgb_array", **options))
         return make(render_mode, **options)
 
     return made

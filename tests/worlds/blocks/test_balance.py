@@ -91,6 +91,7 @@ def test_a_level_beam_is_undecided() -> None:
         (5, (1.0, 4), "smallest of n_weights must be"),
         (5, (0, 4), "smallest of n_weights must be"),
         (5, (4, 1), "largest of n_weights must be"),
+        (5, np.array(3), r"n_weights must be a pair \(smallest, largest\), got array\(3\)"),
         (5, 4, r"n_weights must be a pair \(smallest, largest\), got 4"),
     ],
 )

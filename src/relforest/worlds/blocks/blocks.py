@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import colorsys
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, between, in_range
-from relforest.worlds.arguments import checked_generator
+from relforest.support.options import between, in_range
+from relforest.worlds.arguments import checked_generator, entries
 
 SMALLEST_HALF: Final = 0.5
 LARGEST_HALF: Final = 5.0
@@ -56,7 +55,7 @@ class Block:
     def __post_init__(self) -> None:
         object.__setattr__(self, "id", between("id of a block", self.id, 0, LARGEST_ID))
         halves = [
-            in_range("half extent", half, 0, math.inf, open_low=True, open_high=True)
+            in_range("half_extents", half, 0, math.inf, open_low=True, open_high=True)
             for half in _numbers("half_extents", self.half_extents, 2)
         ]
         parts = [in_range("color", part, 0, 1) for part in _numbers("color", self.color, 3)]
@@ -64,8 +63,8 @@ class Block:
         object.__setattr__(self, "color", tuple(parts))
 
 
-def _numbers(name: str, values: object, n: int) -> list[float]:
-    numbers = list(values) if isinstance(values, Iterable) else []
+def _numbers(name: str, values: object, n: int) -> tuple[Any, ...]:
+    numbers = entries(values)
     if len(numbers) != n:
         raise InputError(f"{name} of a block must be {n} numbers, got {values!r}")
     return numbers
@@ -89,7 +88,7 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
     saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale ones are
     frequent.
     """
-    rng, start = checked_generator(rng), at_least("first_id", first_id, 0)
+    rng, start = checked_generator(rng), between("first_id", first_id, 0, LARGEST_ID - MOST_DRAWN)
     return tuple(
         Block(start + i, (_random_half(rng), _random_half(rng)), _random_color(rng))
         for i in range(between("n", n, 0, MOST_DRAWN))
@@ -108,7 +107,7 @@ def arch_blocks(rng: np.random.Generator, n: int = 3, *, first_id: int = 0) -> t
     first_id : int
         The blocks are numbered from here.
     """
-    rng, start = checked_generator(rng), at_least("first_id", first_id, 0)
+    rng, start = checked_generator(rng), between("first_id", first_id, 0, LARGEST_ID - MOST_DRAWN)
     count = between("n", n, 0, MOST_DRAWN)
     return tuple(Block(start + i, ARCH_HALF_EXTENTS, _random_color(rng)) for i in range(count))
 

@@ -5,7 +5,7 @@ A *trial* is one such scene with its label; trials in which the outcome is undec
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -16,7 +16,7 @@ from relforest.scenes import Scenes, Schema
 from relforest.support.errors import InputError
 from relforest.support.options import between
 from relforest.support.progress import report
-from relforest.worlds.arguments import checked_generator
+from relforest.worlds.arguments import checked_generator, entries
 from relforest.worlds.blocks.blocks import arch_blocks
 from relforest.worlds.blocks.scene import SCHEMA
 
@@ -57,7 +57,7 @@ def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, in
     InputError
         If these are no two integers, or not ``least <= smallest <= largest <= MOST_BLOCKS``.
     """
-    values = tuple(limits) if isinstance(limits, Iterable) else ()
+    values = entries(limits)
     if len(values) != 2:
         raise InputError(f"{name} must be a pair (smallest, largest), got {limits!r}")
     smallest = between(f"the smallest of {name}", values[0], least, MOST_BLOCKS)

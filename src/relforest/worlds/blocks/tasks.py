@@ -7,7 +7,7 @@ Palmer (2015), sections 7.4.1 to 7.4.3.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final, Literal, final
@@ -17,6 +17,7 @@ import numpy as np
 from relforest.smdp import ActionType
 from relforest.support.errors import InputError
 from relforest.support.options import in_range
+from relforest.worlds.arguments import entries
 from relforest.worlds.blocks.actions import TARGET
 from relforest.worlds.blocks.arch import arch_score
 from relforest.worlds.blocks.blocks import (
@@ -241,8 +242,8 @@ def _make_equal(
     )
 
 
-def _lengths(name: str, pair: Iterable[float]) -> tuple[float, float]:
-    values = tuple(pair) if isinstance(pair, Iterable) else ()
+def _lengths(name: str, pair: object) -> tuple[float, float]:
+    values = entries(pair)
     if len(values) != 2:
         raise InputError(f"{name} must be two lengths, got {pair!r}")
     first, second = (in_range(name, value, SMALLEST_SIDE, SIDES[1]) for value in values)

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range
 
 
 @final
@@ -32,10 +32,11 @@ class CorridorState:
     steps: int = 0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.x <= 1.0:
-            raise InputError(f"the location of the agent must lie between 0 and 1, got {self.x!r}")
-        if self.steps < 0:
-            raise InputError(f"steps must be at least 0, got {self.steps!r}")
+        # Worlds build one state per step, of plain numbers.
+        if type(self.x) is not float or not 0.0 <= self.x <= 1.0:
+            object.__setattr__(self, "x", in_range("x", self.x, 0.0, 1.0))
+        if type(self.steps) is not int or self.steps < 0:
+            object.__setattr__(self, "steps", at_least("steps", self.steps, 0))
 
 
 def initial_state(rng: np.random.Generator) -> CorridorState:

@@ -92,6 +92,8 @@ def record_episodes(
     """
     if not callable(policy) and not isinstance(policy, Decider):
         one_of("policy", policy, tuple(POLICIES))
+    if values is not None and not callable(values):
+        raise InputError(f"values must be a function of the state variables, got {values!r}")
     setup, episodes = checked_options(options), between("episodes", episodes, 1, MOST_EPISODES)
     lanes = min(LANES, episodes)
     root, (share, rest) = seed_sequence(seed), divmod(episodes, lanes)
@@ -202,7 +204,10 @@ class _Recorder:
 
 
 def _checked_values(values: ArrayLike, keepers: int) -> NDArray[np.float64]:
-    worth = np.array(values, dtype=np.float64)
+    try:
+        worth = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        worth = np.empty(0)
     if worth.shape != (keepers,):
-        raise InputError(f"values must return one number for each of {keepers} actions, got {worth.shape}")
+        raise InputError(f"values must return one number for each of {keepers} actions, got {values!r}")
     return worth

@@ -172,7 +172,9 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     def _seeds(self, seed: object) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, (Sequence, np.ndarray)) and not isinstance(seed, (str, bytes)):
+        if isinstance(seed, np.ndarray):
+            seed = seed.tolist()
+        if isinstance(seed, Sequence) and not isinstance(seed, (str, bytes)):
             if len(seed) != self.num_envs:
                 raise InputError(
                     f"seed must hold one seed for each of {self.num_envs} games, got {len(seed)}"
