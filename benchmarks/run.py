@@ -11,6 +11,7 @@ import bench_blocks
 import bench_compile
 import bench_covagg
 import bench_keepaway
+import bench_startup
 import bench_tree
 import numba
 import numpy as np
@@ -29,6 +30,7 @@ def main() -> None:
         table.report()
     bench_blocks.run().report()
     bench_compile.run().report()
+    bench_startup.run().report()
 
 
 if __name__ == "__main__":

@@ -29,6 +29,8 @@ _LEAST: Final = MappingProxyType(
 )
 """The smallest value of each option that is an integer, in whatever command."""
 
+_READ: Final = {"model", "table"}
+
 
 class UsageError(RelforestError):
     """The command line itself is wrong, whatever the files that it names hold."""
@@ -65,9 +67,9 @@ def check_options(options: Any, arguments: Sequence[str]) -> None:  # noqa: ANN4
     for name, path in paths.items():
         if "\0" in str(path):
             raise UsageError(f"{option_name(name)} {str(path)!r}: a path cannot contain a null character")
-        if name != "out":
+        if name in _READ:
             _check_present(path)
-        elif "force" in given:
+        elif name == "out" and "force" in given:
             check_free(path, force=given["force"])
 
 
