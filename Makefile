@@ -1,4 +1,4 @@
-# Every target makes its own environment in .venv; all it needs is Python 3.11 or newer and make.
+# Every target sets up .venv if necessary; only Python 3.11 or newer and make are required.
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -18,7 +18,7 @@ check: $(STAMP)
 	$(BIN)/mypy src tests $(wildcard benchmarks)
 	$(BIN)/lint-imports
 
-# Coverage cannot see into compiled code, so here the kernels run as plain Python.
+# Coverage cannot see compiled code, so the kernels run as plain Python.
 coverage: $(STAMP)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --cov --cov-report=term
 
@@ -34,7 +34,7 @@ $(STAMP): pyproject.toml requirements.lock
 	for candidate in python3.11 python3.12 python3.13 python3; do \
 	  if $$candidate -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then python=$$candidate; break; fi; \
 	done; \
-	if [ -z "$$python" ]; then echo "relforest needs Python 3.11 or newer, and none was found on PATH." >&2; exit 1; fi; \
+	if [ -z "$$python" ]; then echo "relforest needs Python 3.11 or newer, but none was found on PATH." >&2; exit 1; fi; \
 	echo "setting up $(VENV) with $$python"; \
 	$$python -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock

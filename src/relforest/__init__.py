@@ -1,7 +1,8 @@
 """Relational learning from scenes of objects: covariant aggregation, SMRF trees and SMRF-RPI.
 
 Start with `Scenes` (your data), `SMRFTreeClassifier` (a readable predictor), `CovAggClassifier` (bags of
-points) or `SMRFRPI` (a policy for a Gymnasium world). Importing the package registers its worlds.
+points) or `SMRFRPI` (a policy for a Gymnasium world). Importing the package registers its worlds; everything
+else is loaded when it is first used.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The command line: one file per command, which says what it accepts, calls the library and prints.
+"""The command line: one module per command, which defines its options, calls the library and prints.
 
 `app.main` chooses the command. Results go to standard output, everything else to standard error.
 """

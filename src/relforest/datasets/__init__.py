@@ -1,9 +1,9 @@
 """Bags of points, synthetic and published, and synthetic scenes for concept recovery.
 
 Generators (`color`, `covariant1`, `between_scenes`, ...) take a `numpy.random.Generator` and return values
-drawn from the distribution that their docstring states. `fetch_musk1` and its like return the published sets
-of bags that multiple-instance learners are compared on, and `read_csv`, `read_arff` and `read_c45` your own.
-From wherever they are, bags come as a `BagSet`: start there.
+drawn from the distribution that their docstring states. `fetch_musk1` and its like return the published data
+sets that multiple-instance learners are compared on; `read_csv`, `read_arff` and `read_c45` read your own.
+Bags always come as a `BagSet`: start there.
 """
 
 from __future__ import annotations

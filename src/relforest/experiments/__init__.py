@@ -1,8 +1,8 @@
 """Runs of the learner in folders that survive any interruption, and the studies that reproduce the source.
 
-`learn_runs` is ``relforest learn``: a `RunConfig` of one of the `TASKS` into a run folder. `run_study` is
-``relforest experiment``: one of the `STUDIES` into a folder of rows, findings and figures. A study is a
-package of four files, settings, run, analysis and a README, and an entry in `registry`.
+`learn_runs` is ``relforest learn``: it turns a `RunConfig` of one of the `TASKS` into a run folder.
+`run_study` is ``relforest experiment``: it turns one of the `STUDIES` into a folder of rows, findings and
+figures. A study is a package with settings, run, analysis and a README, and an entry in `registry`.
 """
 
 from __future__ import annotations

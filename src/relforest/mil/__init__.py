@@ -1,9 +1,9 @@
-"""Multiple-instance classifiers in the scikit-learn manner: fit bags of points, predict labels.
+"""Multiple-instance classifiers in the style of scikit-learn: fit bags of points, predict labels.
 
-A bag is positive if at least one of its instances is. `CovAggClassifier` looks for one ellipsoid
-that tells which; `VolumeCommitteeClassifier` weighs the evidence of many, for concepts of several parts or of
-many features. `BagScaler` prepares features for methods that depend on their units; classifiers by others are
-in `relforest.mil.peers`.
+A bag is positive if at least one of its instances is. `CovAggClassifier` looks for one ellipsoid that
+contains such instances; `VolumeCommitteeClassifier` combines many, for concepts with several parts or many
+features. `BagScaler` prepares features for methods that depend on their units. Classifiers by other authors
+are in `relforest.mil.peers`.
 """
 
 from __future__ import annotations

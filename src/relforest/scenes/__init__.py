@@ -1,9 +1,8 @@
 """What a learner sees: schemas, columnar batches of scenes, and bags of points.
 
-A *scene* is a set of objects, a few of which may be bound to the arguments of an action; an object has the
-attributes of a `Schema`, any of them possibly undefined (NaN). All data enter the library here and are
-checked once. Start with `Scenes.from_frame`; `schema` says what an attribute is and `batch` how a batch is
-stored.
+A *scene* is a set of objects, some of which may be bound to the arguments of an action. An object has the
+attributes of a `Schema`, any of which may be undefined (NaN). All data enter the library here and are checked
+once. Start with `Scenes.from_frame`; `schema` defines attributes and `batch` how scenes are stored.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""What every other layer stands on: errors, kernels, files, random streams, option checks, tasks and locks.
+"""The foundation of all other layers: errors, kernels, files, random streams, option checks, tasks and locks.
 
-The package imports nothing else of relforest, so any module may use it. Import from its modules directly,
-for example ``from relforest.support.files import write_json``. Start with `relforest.support.errors` for
-the exceptions that users see and `relforest.support.rng` for how one seed becomes the independent streams
-of a run.
+The package imports nothing else from relforest, so any module may use it. Import from its modules directly,
+for example ``from relforest.support.files import write_json``. Start with `relforest.support.errors` for the
+exceptions that users see and `relforest.support.rng` for how one seed becomes the independent streams of a
+run.
 """
 
 from __future__ import annotations

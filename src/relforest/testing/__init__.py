@@ -1,7 +1,7 @@
 """Conformance checks that users can run on their own worlds and mapping functions.
 
-A check raises an `AssertionError` whose message begins with the clause that is violated, or returns nothing;
-it needs no test framework. Start with `check_world` and `check_mapping`.
+A check returns nothing, or raises an `AssertionError` whose message begins with the violated clause; it needs
+no test framework. Start with `check_world` and `check_mapping`.
 """
 
 from __future__ import annotations

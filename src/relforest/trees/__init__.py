@@ -1,10 +1,9 @@
 """SMRF trees: probabilistic, existential decision trees over scenes (Palmer 2015, chapter 4).
 
-`SMRFTreeClassifier` learns one; `Tree` is the learned value, made of the three kinds of nodes in
-`nodes`; `query` asks it about scenes. Learning goes from `sequences` (instantiation sequences at a
-leaf) over `expansions` (which questions may be asked there), `candidates` (their volumes),
-`probabilities` and `significance` or `permutation` (what they are worth) to `growth`, the loop of
-Algorithm 4.1.
+`SMRFTreeClassifier` learns a `Tree`, a value made of the three kinds of nodes in `nodes`; `query` applies it
+to scenes. Learning goes from `sequences` (instantiation sequences at a leaf) over `expansions` (the questions
+that may be asked there), `candidates` (their volumes), `probabilities` and `significance` or `permutation`
+(what they are worth) to `growth`, the loop of Algorithm 4.1.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Simulated worlds, each a Gymnasium environment that also implements `relforest.smdp.World`.
 
-Worlds know no learner and nothing of each other. `registry` lists their names and, once imported, registers
-them with Gymnasium. Start with `corridor`, the smallest one.
+Worlds are independent of learners and of each other. `registry` lists their names, and `registration`
+registers them with Gymnasium. Start with `corridor`, the smallest one.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Whether our blocks world is that of the author's simulator, how good hand-made policies are, its speed.
+"""How well our blocks world matches the author's simulator, how good hand-made policies are, and its speed.
 
-`settings` holds what is dropped, lifted and played and what the author's simulator gave, `run` makes one
+`settings` lists what is dropped, lifted and played and what the author's simulator gave, `run` makes one
 measurement with the help of `episodes`, `samples` groups the rows of the table, `analysis` turns them into
-findings and `pictures` into figures. The question, the command and the result seen stand in ``README.md``.
+findings and `pictures` into figures. The question, the command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""How fast SMRF-RPI learns the corridor, and what densities are good for (Palmer (2015), section 7.3).
+"""How fast SMRF-RPI learns the corridor, and what densities add (Palmer (2015), section 7.3).
 
 `settings` holds the conditions and the rewards to be reached, `run` learns one run, `analysis` turns the
-table into findings and Figures 7.2 to 7.4. The question, the command and the result seen stand in
-``README.md``.
+table into findings and Figures 7.2 to 7.4. The question, the command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Whether our keepaway is that of the RoboCup 2-D server, whether it can be learned, and how fast it is.
+"""How well our keepaway matches the RoboCup 2-D server, whether it can be learned as there, and its speed.
 
-`settings` holds what is played and what real games gave, `trajectories` reads recorded ones, `run` makes one
+`settings` lists what is played and what real games gave, `trajectories` reads recorded games, `run` makes one
 measurement, `analysis` turns the table into findings and pictures. The question, the command and the result
-seen stand in ``README.md``.
+are in ``README.md``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""What each part of a committee of volumes is good for, on the data that it was designed with.
+"""What each part of a committee of volumes contributes, on the data that it was designed with.
 
-`made_up` draws bags that stand for difficulties of published sets, `settings` holds the data sets and the
+`made_up` draws bags that mimic difficulties of published sets, `settings` holds the data sets and the
 variants, `run` turns a data set into rows, `analysis` turns the table into findings and a figure. The
-question, the command and the result seen stand in ``README.md``.
+question, the command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

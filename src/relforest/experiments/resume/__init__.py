@@ -1,7 +1,7 @@
-"""Whether a run that was killed at any moment and started again ends as if nothing had happened.
+"""A check that a run that is killed at any moment and started again ends as if nothing had happened.
 
 `settings` holds the variants, `run` kills ``relforest learn`` and compares what it leaves behind, `analysis`
-turns the table into findings. The question, the command and the result seen stand in ``README.md``.
+turns the table into findings. The question, the command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

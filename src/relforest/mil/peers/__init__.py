@@ -5,9 +5,9 @@ All take bags and labels as `relforest.mil.CovAggClassifier` does. `OptimalBallC
 lies: a ball, a box, and two ellipsoids along the axes. The others are support vector machines:
 `BagMarginSVMClassifier` (MI-SVM) and `InstanceMarginSVMClassifier` (mi-SVM) label instances too,
 `MILESClassifier` labels bags only, and `SingleInstanceSVMClassifier` is the baseline that ignores the bags;
-`tuned` chooses their parameters by cross-validation. MI-SVM and mi-SVM are called by the margin that they
-maximise, as their published names differ in nothing but capitals. Start with `OptimalBallClassifier`, which
-is fast and has nothing to tune.
+`tuned` chooses their parameters by cross-validation. MI-SVM and mi-SVM are named for the margin that they
+maximise, since their published names differ only in case. Start with `OptimalBallClassifier`, which is fast
+and needs no tuning.
 
 Any number of them may be trained at the same time in threads, with the same results as one after the other.
 """

@@ -1,9 +1,9 @@
 """Classical learners to compare with: tile coding and linear Sarsa(lambda) for SMDPs.
 
-They learn online, from one decision to the next, and know no world: an observation is whatever the feature
-map takes. `SarsaLambda` learns the weights of any `FeatureMap`: of a `TileCoding`, which is the peer of
-Stone et al. (2006), or of any function that returns a row of numbers per action (`DenseFeatures`). Start with
-`sarsa`; `make_team` makes several agents, with weights of their own or shared ones.
+These learn online, from one decision to the next, and are independent of any world: an observation is
+whatever the feature map takes. `SarsaLambda` learns the weights of any `FeatureMap`: a `TileCoding`, as in
+Stone et al. (2006), or any function that returns a row of numbers per action (`DenseFeatures`). Start with
+`sarsa`; `make_team` makes several agents, with weights of their own or shared.
 """
 
 from __future__ import annotations
