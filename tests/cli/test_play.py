@@ -18,7 +18,7 @@ TASKS = ("high-towers", "color-grouping", "arch")
 SHORT = ("play", "keepaway", "--max-cycles", "40")
 
 
-def test_an_episode_is_told(run: CommandLine) -> None:
+def test_an_episode_is_described(run: CommandLine) -> None:
     outcome = run(*SHORT, "--policy", "hold", "--seed", "3")
     (duration,) = episode_durations("hold", episodes=1, seed=3)
 
@@ -28,7 +28,7 @@ def test_an_episode_is_told(run: CommandLine) -> None:
     )
 
 
-def test_several_episodes_are_told_and_summarised(run: CommandLine) -> None:
+def test_several_episodes_are_described_and_summarised(run: CommandLine) -> None:
     outcome = run(*SHORT, "--policy", "hold", "--episodes", "22")
     lines = outcome.out.splitlines()
 
@@ -84,7 +84,7 @@ def test_pages_are_replaced_only_on_demand(run: CommandLine, tmp_path: Path) -> 
         (("--keepers", "1"), "--keepers must be an integer from 2 to 32, got 1"),
         (("--takers", "0"), "--takers must be an integer from 1 to 32, got 0"),
         (("--size", "2"), "--size must be"),
-        (("--size", "20", "20", "20"), "--size takes one number, or a length and a width, got 3 numbers"),
+        (("--size", "20", "20", "20"), "--size must be one number, or a length and a width, got 3 numbers"),
         (("--episodes", "0"), "--episodes must be an integer of at least 1, got 0"),
         (("--max-cycles", "-1"), "--max-cycles must be an integer of at least 0, got -1"),
         (("--seed", "-1"), "--seed must be an integer of at least 0, got -1"),
@@ -93,7 +93,7 @@ def test_pages_are_replaced_only_on_demand(run: CommandLine, tmp_path: Path) -> 
             "--policy must be one of 'random', 'hold', 'hand', or a run folder, got 'careful'",
         ),
         (("--blocks", "4"), "--blocks belongs to high-towers, color-grouping, arch, not to keepaway"),
-        (("--distance", "rgb"), "--distance belongs to color-grouping, not to keepaway: leave it out"),
+        (("--distance", "rgb"), "--distance belongs to color-grouping, not to keepaway: omit it"),
         (("--max-actions", "4"), "--max-actions belongs to high-towers, color-grouping, arch, not to"),
     ],
 )
@@ -122,7 +122,7 @@ def test_unknown_worlds_are_refused(run: CommandLine) -> None:
     assert "keepaway" in outcome.err
 
 
-def test_an_episode_of_blocks_is_told(run: CommandLine) -> None:
+def test_an_episode_of_blocks_is_described(run: CommandLine) -> None:
     outcome = run("play", "high-towers", "--policy", "small-first", "--seed", "3")
     env = high_towers_env()
     (episode,) = record_episodes(env, make_policy("small-first", env), seed=3)
@@ -135,7 +135,7 @@ def test_an_episode_of_blocks_is_told(run: CommandLine) -> None:
     )
 
 
-def test_several_episodes_of_blocks_are_told_and_summarised(run: CommandLine) -> None:
+def test_several_episodes_of_blocks_are_described_and_summarised(run: CommandLine) -> None:
     outcome = run("play", "arch", "--policy", "random", "--max-actions", "1", "--episodes", "22")
     lines = outcome.out.splitlines()
 

@@ -137,7 +137,7 @@ def test_without_a_writable_folder_kernels_are_compiled_with_one_warning(
     (tmp_path / "file").write_text("not a folder")
     heard, warned = compiling(tmp_path / "file")
 
-    assert heard == "['compiling, as there is no cache']\n"
+    assert heard == "['compiling, without a cache']\n"
     assert warned.count("RuntimeWarning: compiled code cannot be kept") == 1
     assert "Not a directory), so every process compiles it again; set NUMBA_CACHE_DIR to" in warned
 
@@ -216,7 +216,7 @@ def test_code_without_a_file_or_a_folder_is_not_kept(tmp_path: Path, monkeypatch
     jit._cache_folder.cache_clear()
     code = _KernelCache(plain)
     assert code.cache_path is None
-    with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR to a folder that can be written to"):
+    with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR to a writable folder"):
         assert code.load_overload((), None) is None
     code.save_overload((), None)
 

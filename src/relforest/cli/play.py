@@ -1,4 +1,4 @@
-"""``relforest play``: episodes to look at."""
+"""``relforest play``: play and show episodes."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -27,7 +27,7 @@ _MOST_LINES: Final = 20
 _KEEPAWAY_POLICIES: Final = {"random": "random policy", "hold": "always hold", "hand": "hand-coded policy"}
 # In the order of the codes: PLAYING, OUT, TAKEN, CAPPED.
 _ENDS: Final = ("unfinished", "the ball went out", "a taker took the ball", "cut off")
-# What options are when they are not given, for each world that they belong to.
+# Defaults of the options that belong to each world.
 _DEFAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
         "keepaway": {
@@ -50,12 +50,12 @@ _DEFAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
 class PlayOptions:
     """Play episodes of a world and, with --out, write a page that shows them.
 
-    For each episode it tells how long it took and how it ended. The page is one HTML file that any browser
-    opens, without a network: it plays the episodes and lists every decision.
+    The length and the outcome of each episode are printed. The page is a single HTML file that any browser
+    opens offline; it plays the episodes and lists every decision.
 
     For example:
       relforest play keepaway --policy hand --keepers 3 --takers 2 --out game.html
-      relforest play keepaway --policy random --keepers 4 --takers 3 --size 25 --episodes 10 --out games.html
+      relforest play keepaway --keepers 4 --takers 3 --size 25 --episodes 10
       relforest play keepaway --policy runs/keepaway --out learned.html
       relforest play high-towers --policy large-first --out towers.html
       relforest play color-grouping --episodes 5 --seed 1 --out colors.html
@@ -64,34 +64,34 @@ class PlayOptions:
     Parameters
     ----------
     world
-        What to play: keepaway, or a task of the blocks world: high-towers, color-grouping, arch.
+        What to play: keepaway, or a task of the blocks world: high-towers, color-grouping or arch.
     policy
-        Who decides. keepaway: hand (the benchmark's hand-coded policy), hold (always hold the ball), or the
-        folder of a run of "relforest learn keepaway"; high-towers: large-first, small-first; color-grouping:
-        manual; arch: careful, trainer; and random in every world.
+        Policy that decides. keepaway: hand (the benchmark's hand-coded policy), hold (always hold the ball),
+        or the folder of a run of "relforest learn keepaway"; high-towers: large-first or small-first;
+        color-grouping: manual; arch: careful or trainer; any world: random.
     keepers
-        keepaway: players who keep the ball.
+        keepaway: number of players who keep the ball.
     takers
-        keepaway: players who try to take it.
+        keepaway: number of players who try to take it.
     size
-        keepaway: side of the square field in metres, or its length and its width.
+        keepaway: side of the square field in metres, or its length and width.
     perception
-        keepaway: what players know: distances and angles rounded as the RoboCup 2-D server rounds them, exact
-        ones, or exact ones without the players' rule that a ball in an opponent's reach stands still.
+        keepaway: what players see: distances and angles rounded as by the RoboCup 2-D server, exact ones, or
+        exact ones without the players' rule that a ball within an opponent's reach stands still.
     max_cycles
-        keepaway: cycles of a tenth of a second after which an episode is cut off; 0 = never.
+        keepaway: cycles (tenths of a second) after which an episode is cut off; 0 = never.
     blocks
-        Blocks tasks: how many blocks are dropped.
+        Blocks tasks: number of blocks dropped.
     max_actions
         Blocks tasks: actions after which an episode ends.
     distance
         color-grouping: how colours are compared.
     episodes
-        How many.
+        Number of episodes.
     seed
         The same seed gives the same episodes.
     out
-        Page to write: .html.
+        Page to write (.html).
     force
         Replace the page if it exists.
     """
@@ -126,7 +126,7 @@ class PlayOptions:
 
 
 def play(options: PlayOptions) -> int:
-    """Play as the options say; the exit code is 0."""
+    """Play episodes; the exit code is 0."""
     chosen = _chosen(options)
     if options.out is not None and options.out.suffix.lower() not in {".html", ".htm"}:
         raise UsageError(f"--out {options.out} must end in .html: the page is one HTML file")
@@ -145,13 +145,13 @@ def play(options: PlayOptions) -> int:
 
 
 def _chosen(options: PlayOptions) -> dict[str, Any]:
-    """Return the options that belong to the world, with what they are when not given; refuse others."""
+    """Return the options that belong to the world, with their defaults; refuse others."""
     defaults = _DEFAULTS[options.world]
     for name in sorted({name for own in _DEFAULTS.values() for name in own} - defaults.keys()):
         if getattr(options, name) is not None:
             worlds = [world for world, own in _DEFAULTS.items() if name in own]
             flag = option_name(name)
-            raise UsageError(f"{flag} belongs to {', '.join(worlds)}, not to {options.world}: leave it out")
+            raise UsageError(f"{flag} belongs to {', '.join(worlds)}, not to {options.world}: omit it")
     given = {name: getattr(options, name) for name in defaults}
     return {name: defaults[name] if value is None else value for name, value in given.items()}
 
@@ -189,7 +189,7 @@ def _play_keepaway(
     subtitle = (
         f"{described}, {length:g} m by {width:g} m, {chosen['perception']} perception, seed {options.seed}"
     )
-    return _told_keepaway(recordings), lambda: page(recordings, title=title, subtitle=subtitle)
+    return _keepaway_lines(recordings), lambda: page(recordings, title=title, subtitle=subtitle)
 
 
 def _size(sides: tuple[float, ...]) -> float | tuple[float, float]:
@@ -199,10 +199,10 @@ def _size(sides: tuple[float, ...]) -> float | tuple[float, float]:
         case (length, width):
             return length, width
         case _:
-            raise UsageError(f"--size takes one number, or a length and a width, got {len(sides)} numbers")
+            raise UsageError(f"--size must be one number, or a length and a width, got {len(sides)} numbers")
 
 
-def _told_keepaway(recordings: Sequence[KeepawayRecording]) -> Iterator[str]:
+def _keepaway_lines(recordings: Sequence[KeepawayRecording]) -> Iterator[str]:
     """Yield a line about each of the first episodes, and one about all of them."""
     from relforest.worlds.keepaway.layout import TAKEN
     from relforest.worlds.keepaway.recording import SECOND
@@ -232,7 +232,7 @@ def _play_blocks(options: PlayOptions, chosen: Mapping[str, Any]) -> tuple[Itera
     compared = f", {chosen['distance']}" if "distance" in chosen else ""
     title = options.world.replace("-", " ").capitalize()
     subtitle = f"{chosen['policy']} policy, {chosen['blocks']} blocks{compared}, seed {options.seed}"
-    return _told_blocks(recordings), lambda: page(recordings, title=title, subtitle=subtitle)
+    return _blocks_lines(recordings), lambda: page(recordings, title=title, subtitle=subtitle)
 
 
 def _blocks_env(world: str, chosen: Mapping[str, Any]) -> BlocksEnv:
@@ -243,11 +243,11 @@ def _blocks_env(world: str, chosen: Mapping[str, Any]) -> BlocksEnv:
         return high_towers_env(**sizes)
     if world == "color-grouping":
         return color_grouping_env(distance=chosen["distance"], **sizes)
-    # The policies made by hand need the moves of their plan among the candidates.
+    # Hand-made policies need the moves of their plan among the candidates.
     return arch_env(sampler="test" if chosen["policy"] == "random" else "expert", **sizes)
 
 
-def _told_blocks(recordings: Sequence[BlocksRecording]) -> Iterator[str]:
+def _blocks_lines(recordings: Sequence[BlocksRecording]) -> Iterator[str]:
     """Yield a line about each of the first episodes, and one about all of them."""
     from relforest.worlds.blocks.page import SCORE_NAMES
 

@@ -1,9 +1,9 @@
 """The one way to compile a function in relforest.
 
 Numba keeps machine code on disk and renews it when the file of a function changes, but not when a function
-that it calls does, in another file. A library whose kernels call each other across files would run old code
-after an upgrade. So the cache is kept in a folder named for the content of the whole package. Where no folder
-can be written to, kernels are compiled in every process, with a warning that says so.
+that it calls changes in another file. A library whose kernels call each other across files would run old code
+after an upgrade, so the cache folder is named after the content of the whole package. If no folder can be
+written to, every process compiles its kernels, and warns once.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ _PACKAGE: Final = Path(__file__).parents[1]
 
 
 def inlined(function: Function) -> Function:
-    """Compile ``function`` into each of its callers: for the steps of an inner loop.
+    """Compile ``function`` into each of its callers, for the steps of inner loops.
 
-    A call between kernels counts the references of every array passed, which takes longer than a short step.
+    A call between kernels counts references to every array passed, which takes longer than a short step.
 
     Parameters
     ----------
@@ -51,9 +51,9 @@ def inlined(function: Function) -> Function:
 def kernel(function: Function) -> Function:
     """Compile ``function`` with Numba on its first call, and keep the machine code on disk.
 
-    Kernels release the GIL, so threads run them side by side, and divide like NumPy (x / 0 is inf or NaN,
-    not an exception). With ``NUMBA_DISABLE_JIT=1`` the function itself is returned: a division by zero then
-    raises or warns, and unsigned integers no longer wrap silently, so a kernel must not rely on either.
+    Kernels release the GIL, so threads run them in parallel, and divide like NumPy (x / 0 is inf or NaN, not
+    an exception). With ``NUMBA_DISABLE_JIT=1`` the function itself is returned; division by zero then raises
+    or warns and unsigned integers no longer wrap silently, so kernels must not rely on either.
 
     Parameters
     ----------
@@ -77,9 +77,9 @@ def _compiled(function: Function, *, inline: Literal["never", "always"]) -> Func
 
 @final
 class _KernelCache(NullCache):
-    """Machine code of one function on disk, looked for when the function is first called.
+    """The machine code of one function on disk, looked up when the function is first called.
 
-    A damaged file or a full disk costs time, not the call: the function is compiled.
+    With a damaged file or a full disk, the function is compiled and the call succeeds.
     """
 
     def __init__(self, function: Callable[..., object]) -> None:
@@ -128,7 +128,7 @@ class _KernelCache(NullCache):
 
 @cache
 def _cache_folder() -> tuple[str | None, str]:
-    """Return where machine code of this very version of the package is kept; if nowhere, None and why."""
+    """Return the folder for machine code of this version of the package; if there is none, None and why."""
     reasons = []
     for folder in _candidates(_PACKAGE):
         try:
@@ -141,23 +141,23 @@ def _cache_folder() -> tuple[str | None, str]:
 
 
 def _candidates(package: Path) -> Iterator[Path]:
-    """Yield folders for the cache: the one the user has chosen, or else one in the package, one at home."""
+    """Yield possible cache folders: the one the user has chosen, or else in the package and at home."""
     name = f"relforest-{content_digest(sorted(package.rglob('*.py')))}"
     chosen = vars(numba.config)["CACHE_DIR"]
     if chosen:
         yield Path(chosen) / name
         return
     yield package / "__pycache__" / name
-    # The home of a user without an entry in the password database is unknown.
+    # A user without an entry in the password database may have no home folder.
     with suppress(RuntimeError):
         yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "relforest" / name
 
 
 @cache
 def _announce_compiling() -> None:
-    """Say, once in a process, that kernels are being compiled, which takes seconds each."""
+    """Report, once in a process, that kernels are being compiled, which may take a minute."""
     folder, reason = _cache_folder()
-    text = "compiling, the first time only" if folder else "compiling, as there is no cache"
+    text = "compiling, the first time only" if folder else "compiling, without a cache"
     if folder is None:
         _warn_of_missing_cache(reason)
     if is_heard():
@@ -170,14 +170,14 @@ def _announce_compiling() -> None:
 def _warn_of_missing_cache(reason: str) -> None:
     warnings.warn(
         f"compiled code cannot be kept ({reason}), so every process compiles it again; set NUMBA_CACHE_DIR "
-        "to a folder that can be written to",
+        "to a writable folder",
         RuntimeWarning,
         stacklevel=2,
     )
 
 
 def _is_watched() -> bool:
-    """Return whether a person may be reading standard error; workers leave it to their parent."""
+    """Return whether someone may be reading standard error; workers leave messages to their parent."""
     if sys.stderr is None or multiprocessing.parent_process() is not None:
         return False
     return sys.stderr.isatty() or hasattr(sys, "ps1")

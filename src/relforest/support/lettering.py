@@ -1,4 +1,4 @@
-"""Lines of text on pictures of pixels, in DejaVu Sans, the font that Matplotlib brings along."""
+"""Lines of text on pixel images, in DejaVu Sans, the font that ships with Matplotlib."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ _MASKS: Final[dict[tuple[str, int, bool], tuple[NDArray[np.float32], int]]] = {}
 def write(
     canvas: Canvas, text: str, at: Point, *, size: int, color: Color, side: float = 0.0, bold: bool = False
 ) -> None:
-    """Write a line of text centred at a point, or ending (side 1) or beginning (side -1) there.
+    """Write a line of text that is centred at a point, or ends (side 1) or begins (side -1) there.
 
     Parameters
     ----------
     canvas : (height, width, 3) uint8
-        What lies outside is left out.
+        Text outside the canvas is clipped.
     text : str
     at : (float, float)
-        Column and row; the digits of the line have their middle in this row.
+        Column and row; digits are vertically centred on this row.
     size : int
-        Size of the font in pixels.
+        Font size in pixels.
     color : (int, int, int)
     side : float
     bold : bool
@@ -36,7 +36,7 @@ def write(
         return
     mask, ascent = _mask(text, size, bold=bold)
     left = round(at[0] - (1 + side) / 2 * mask.shape[1])
-    # Digits of this font are 0.73 of its size high; all lines stand on their base lines.
+    # Digits of this font are 0.73 times its size high, and stand on the base line.
     top = round(at[1] + 0.365 * size) - ascent
     mask = mask[max(-top, 0) :, max(-left, 0) :]
     patch = canvas[max(top, 0) : max(top, 0) + mask.shape[0], max(left, 0) : max(left, 0) + mask.shape[1]]
@@ -44,15 +44,15 @@ def write(
 
 
 def text_width(text: str, size: int, *, bold: bool = False) -> int:
-    """Return how many pixels wide a line of text is."""
+    """Return the width of a line of text in pixels."""
     return _mask(text, size, bold=bold)[0].shape[1] if text else 0
 
 
 def _mask(text: str, size: int, *, bold: bool) -> tuple[NDArray[np.float32], int]:
-    """Return how far the pixels of a line of text are covered, and its rows above the base line."""
+    """Return the coverage of each pixel of a line of text, and the number of rows above its base line."""
     key = (text, size, bold)
     if key not in _MASKS:
-        # Only those who look at pictures pay for loading Matplotlib.
+        # Matplotlib is loaded only if there is text to draw.
         from matplotlib.font_manager import FontProperties, findfont, get_font  # noqa: PLC0415
 
         font = get_font(findfont(FontProperties(family="DejaVu Sans", weight="bold" if bold else "normal")))

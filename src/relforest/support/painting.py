@@ -1,6 +1,6 @@
-"""Soft-edged strokes, rings, boxes and trails on pictures of pixels.
+"""Soft-edged strokes, rings, boxes and trails on pixel images.
 
-A pixel is covered as far as its centre lies inside an outline, which gives soft edges one pixel wide.
+A pixel is covered according to the distance of its centre from an outline, so edges are one pixel wide.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _REACH: Final = 3
 
 
 def blend(patch: Canvas, color: Color, cover: NDArray[np.floating]) -> None:
-    """Lay a colour over part of a picture, as far as ``cover``, (rows, columns) from 0 to 1, says."""
+    """Blend a colour into part of an image, with the opacity ``cover``, (rows, columns) from 0 to 1."""
     covered = cover > 0
     patch[covered] = _mixed(patch[covered], color, cover[covered])
 
@@ -31,7 +31,7 @@ def blend(patch: Canvas, color: Color, cover: NDArray[np.floating]) -> None:
 def paint_trail(canvas: Canvas, color: Color, path: NDArray[np.float64], *, longest: float) -> None:
     """Paint a path, (t, 2) pixels, that fades towards its beginning; at most its last ``longest`` pixels.
 
-    The canvas must be a whole picture, or some of its rows.
+    The canvas must be a whole image, or whole rows of one.
     """
     points, strengths = _dense(path, longest)
     _paint_dots(canvas, color, points, strengths)
@@ -51,7 +51,7 @@ def _dense(path: NDArray[np.float64], longest: float) -> tuple[NDArray[np.float6
 def _paint_dots(
     canvas: Canvas, color: Color, points: NDArray[np.float64], strengths: NDArray[np.float64]
 ) -> None:
-    """Paint many small dots; where they overlap, the strongest counts."""
+    """Paint many small dots; where dots overlap, the strongest wins."""
     height, width = canvas.shape[:2]
     inside = ((points >= _REACH + 1) & (points < (width - _REACH - 1, height - _REACH - 1))).all(axis=1)
     points, strengths = points[inside], strengths[inside]
@@ -67,7 +67,7 @@ def _paint_dots(
     cover = covers[covers > 0].astype(np.float32)
     strongest = np.empty(height * width, dtype=np.float32)
     order = np.argsort(cover)
-    # Of several values for one place the last counts.
+    # Of several values assigned to one place, the last remains.
     strongest[places[order]] = cover[order]
     pixels = canvas.reshape(-1, 3)
     pixels[places] = _mixed(pixels[places], color, strongest[places])
@@ -86,20 +86,20 @@ def paint_stroke(canvas: Canvas, color: Color, begin: Point, end: Point, radius:
 
 
 def paint_ring(canvas: Canvas, color: Color, center: Point, radius: float, thickness: float) -> None:
-    """Paint a circle whose line reaches ``thickness`` to both sides."""
+    """Paint a circle whose line extends ``thickness`` to both sides."""
     patch, columns, rows = _patch(canvas, center, center, radius + thickness)
     off = np.abs(np.hypot(columns - center[0], rows - center[1]) - radius)
     blend(patch, color, np.clip(thickness + 0.5 - off, 0, 1))
 
 
 def paint_box(canvas: Canvas, color: Color, center: Point, halves: Point, angle: float) -> None:
-    """Paint a box with these half sides, turned by an angle in radians from columns towards rows."""
+    """Paint a box with these half sides, rotated by an angle in radians from columns towards rows."""
     along, across = math.cos(angle), math.sin(angle)
     patch, columns, rows = _patch(canvas, center, center, math.hypot(*halves))
     right, down = columns - center[0], rows - center[1]
     inside_width = halves[0] + 0.5 - np.abs(right * along + down * across)
     inside_height = halves[1] + 0.5 - np.abs(down * along - right * across)
-    # A box thinner than a pixel covers no pixel whole.
+    # A box thinner than a pixel covers no pixel completely.
     cover = np.clip(inside_width, 0, min(2 * halves[0], 1)) * np.clip(inside_height, 0, min(2 * halves[1], 1))
     blend(patch, color, cover)
 
@@ -117,7 +117,7 @@ def _patch(
 
 
 def _mixed(before: Canvas, color: Color, shares: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Return colours, (m, 3), after laying another over them as far as ``shares``, (m,), say."""
+    """Return colours, (m, 3), blended with another one of opacity ``shares``, (m,)."""
     ground = before.astype(np.float32)
     laid = np.asarray(color, dtype=np.float32) - ground
     mixed: NDArray[np.float32] = np.rint(ground + shares.astype(np.float32)[:, None] * laid)
