@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import polars as pl
 import pytest
+from sklearn import config_context
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 from sklearn.pipeline import make_pipeline
@@ -101,6 +104,77 @@ def test_no_check_of_scikit_learn_fails(method: str) -> None:
     outcomes = {result["check_name"]: (result["status"], result["exception"]) for result in results}
 
     assert {name: outcome for name, outcome in outcomes.items() if outcome[0] != "passed"} == {}
+
+
+NAMES = ["mass", "charge"]
+FRAMES = [pd.DataFrame(bag, columns=NAMES, index=[f"i{k}" for k in range(len(bag))]) for bag in BAGS]
+
+
+def test_frames_become_arrays_with_the_columns_of_fit() -> None:
+    scaler = BagScaler(method="minmax").fit(FRAMES)
+
+    assert scaler.get_feature_names_out().tolist() == NAMES
+    assert as_lists(scaler.transform(FRAMES)) == as_lists(scaler.transform([f[NAMES[::-1]] for f in FRAMES]))
+    assert isinstance(scaler.transform(FRAMES)[0], np.ndarray)
+    with pytest.raises(InputError, match="yet now missing:\n- charge"):
+        scaler.transform([frame[["mass"]] for frame in FRAMES])
+
+
+@pytest.mark.parametrize(("library", "kind"), [("pandas", pd.DataFrame), ("polars", pl.DataFrame)])
+def test_set_output_gives_a_frame_for_every_array(library: str, kind: type) -> None:
+    scaler = BagScaler(method="minmax").fit(FRAMES)
+    expected = as_lists(scaler.transform(FRAMES))
+    framed = clone(scaler).set_output(transform=library).fit(FRAMES)
+
+    for scaled in (framed.transform(FRAMES), clone(framed).fit_transform(FRAMES)):
+        assert all(isinstance(frame, kind) for frame in scaled)
+        assert [np.asarray(frame).tolist() for frame in scaled] == expected
+        assert list(scaled[0].columns) == NAMES
+    points, ids = framed.transform((FRAMES[0], ["b", "a"]))
+    assert (np.asarray(points).tolist(), ids) == (expected[0], ["b", "a"])
+    assert isinstance(framed.transform(FRAMES[0]), kind)
+    bare = BagScaler().set_output(transform=library).fit(BAGS)
+    cube = bare.transform(np.array([BAGS[0], BAGS[0]]))
+    assert [list(frame.columns) for frame in cube] == [["x0", "x1"]] * 2
+    # None leaves the choice as it is.
+    assert isinstance(framed.set_output().transform(FRAMES)[0], kind)
+    assert isinstance(framed.set_output(transform="default").transform(FRAMES)[0], np.ndarray)
+
+
+def test_frames_keep_the_index_of_pandas() -> None:
+    scaled = BagScaler().set_output(transform="pandas").fit_transform(FRAMES)
+
+    assert [list(frame.index) for frame in scaled] == [list(frame.index) for frame in FRAMES]
+
+
+def test_the_output_may_be_chosen_for_all_of_scikit_learn() -> None:
+    scaler = BagScaler().fit(FRAMES)
+    with config_context(transform_output="pandas"):
+        assert isinstance(scaler.transform(FRAMES)[0], pd.DataFrame)
+    model = make_pipeline(BagScaler(), CovAggClassifier(random_state=0)).set_output(transform="pandas")
+    assert model.fit(FRAMES, [1, 0, 0])[-1].feature_names_in_.tolist() == NAMES
+
+
+def test_other_outputs_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(
+        InputError, match="transform must be one of 'default', 'pandas', 'polars', got 'arrow'"
+    ):
+        BagScaler().set_output(transform="arrow")
+    scaler = BagScaler().set_output(transform="polars").fit(BAGS)
+
+    def not_installed(*_args: Any, **_options: Any) -> None:
+        raise ModuleNotFoundError
+
+    monkeypatch.setattr("narwhals.from_numpy", not_installed)
+    with pytest.raises(InputError, match=r"set_output\(transform='polars'\) needs polars"):
+        scaler.transform(BAGS)
+
+
+def test_scattered_rows_come_back_in_their_places() -> None:
+    scaler = BagScaler().fit([[[0.0], [2.0]]])
+    points, _ = scaler.transform((np.array([[3.0], [1.0], [5.0]]), ["b", "a", "b"]))
+
+    assert points.tolist() == [[2], [0], [4]]
 
 
 def test_parameters_are_those_of_scikit_learn() -> None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.random import RandomState as LegacyGenerator
 from numpy.typing import NDArray
-from sklearn.model_selection import StratifiedKFold
 
 from relforest.mil.feature_view import FeatureView
 from relforest.mil.placed_volume import PlacedVolume, bag_nearness
@@ -62,8 +62,17 @@ def split_bags(
     n_splits = min(n_splits, int(positive.sum()), int((~positive).sum()))
     if n_splits < 2:
         return [(np.arange(len(positive)),) * 2]
-    folds = StratifiedKFold(n_splits, shuffle=True, random_state=int(rng.integers(2**31)))
-    return list(folds.split(positive, positive))
+    # The folds of scikit-learn's `StratifiedKFold`, which changes filters of warnings for all threads.
+    shuffler = LegacyGenerator(int(rng.integers(2**31)))
+    fold = np.empty(len(positive), dtype=np.int64)
+    n_dealt = 0
+    for is_member in (positive == positive[0], positive != positive[0]):
+        n_members = int(np.count_nonzero(is_member))
+        dealt = np.sort(np.arange(n_dealt, n_dealt + n_members) % n_splits)
+        shuffler.shuffle(dealt)
+        fold[is_member] = dealt
+        n_dealt += n_members
+    return [(np.flatnonzero(fold != number), np.flatnonzero(fold == number)) for number in range(n_splits)]
 
 
 def find_split_volumes(
