@@ -23,7 +23,8 @@ def main() -> None:
         f"Python {platform.python_version()}, NumPy {np.__version__}, Numba {numba.__version__}, "
         f"{platform.machine()}, CPU time, one thread"
     )
-    bench_covagg.run().report()
+    for table in bench_covagg.run():
+        table.report()
     for table in bench_tree.run():
         table.report()
     for table in bench_keepaway.run():
