@@ -164,3 +164,11 @@ def test_the_level_of_several_tests_is_that_of_the_source() -> None:
         sidak_level(0.05, 0)
     with pytest.raises(InputError, match="level must be a number above 0"):
         sidak_level(0.0, 2)
+
+
+def test_masked_values_are_refused() -> None:
+    masked = np.ma.masked_equal([1, 0, 0], 1)
+    with pytest.raises(InputError, match="y_pred has masked values"):
+        peirce_skill_score([1, 0, 0], masked)
+    with pytest.raises(InputError, match="the sample has masked values"):
+        Moments.of(masked)

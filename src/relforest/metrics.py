@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtr, stdtrit
 
 from relforest.support.errors import InputError
+from relforest.support.masks import refuse_masked
 from relforest.support.options import at_least, in_range
 
 __all__ = [
@@ -133,6 +134,7 @@ class Moments:
         InputError
             If there are fewer than two values, or one is not finite.
         """
+        refuse_masked(values, "the sample")
         try:
             sample = np.asarray(values, dtype=np.float64)
         except (TypeError, ValueError) as error:
@@ -220,6 +222,7 @@ def _half_width_in_stds(count: int, level: float) -> float:
 
 def _labels(name: str, values: ArrayLike) -> NDArray[Any]:
     """Return labels as a 1-D array of integers, floats or strings."""
+    refuse_masked(values, name)
     array: NDArray[Any] = np.asarray(values)
     if array.ndim != 1:
         raise InputError(f"{name} must be one-dimensional, got the shape {array.shape}")

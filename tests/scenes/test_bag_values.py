@@ -93,7 +93,7 @@ def test_pandas_missing_values_are_nan() -> None:
         ([[pd.Timestamp(NOON), 2]], "bag 7 contains dates or times"),
         ([[1j]], "Complex data not supported: bag 7 contains complex numbers"),
         (np.array([[1j, 2]], dtype=object), "Complex data not supported"),
-        (np.ma.masked_equal([[1.0, 2.0]], 2.0), "bag 7 has masked values: drop these points or fill in"),
+        (np.ma.masked_equal([[1.0, 2.0]], 2.0), "bag 7 has masked values: leave them out or fill them in"),
         ([np.ma.masked_equal([1.0, 2.0], 2.0)], "bag 7 has masked values"),
         ([[1.0, np.ma.masked]], "bag 7 has masked values"),
         ([[1.0], [2.0, 3.0]], "bag 7 has rows of different lengths"),

@@ -34,7 +34,7 @@ def test_a_list_of_arrays_keeps_its_order() -> None:
 
 
 @pytest.mark.parametrize("ids", [["v", "u", "v", "w"], [5, -3, 5, 4]])
-@pytest.mark.parametrize("container", [list, np.array, pd.Series])
+@pytest.mark.parametrize("container", [list, np.array, pd.Series, pl.Series, pa.array])
 def test_scattered_rows_are_grouped_in_order_of_first_appearance(ids: list[Any], container: Any) -> None:
     bags = as_bags((np.array([[0.0], [1.0], [2.0], [3.0]]), container(ids)))
 
@@ -116,6 +116,8 @@ POINTS = np.zeros((3, 2))
         ((POINTS, [1, 2]), "bag_ids must have one entry for each of the 3 points, got 2"),
         ((POINTS, [1, 2, 2.5]), "bag_ids must be integers or strings, got 2.5"),
         ((POINTS, np.zeros(3)), "bag_ids must be integers or strings, got float64"),
+        ((POINTS, np.array([1, "a", 2], dtype=object)), "bag_ids mix integers and strings"),
+        ((POINTS, np.array([1, None, 2], dtype=object)), "bag_ids must be integers or strings, got None"),
         ((np.zeros(3), [1, 2, 3]), "Reshape your data"),
     ],
 )

@@ -40,7 +40,7 @@ def test_labels_that_are_not_one_of_two_classes_per_bag_are_refused(y: list[floa
 @pytest.mark.parametrize(
     ("y", "message"),
     [
-        (np.ma.masked_array([0, 1, 0], [False, False, True]), "labels have masked values"),
+        (np.ma.masked_array([0, 1, 0], [False, False, True]), "y has masked values"),
         ([0.5, 1.0, 0.0], "Unknown label type: continuous"),
         (["a", 1, "a"], "Unknown label type: the labels contain 'a'"),
         ([None, 1, 0], "Unknown label type: the labels contain None"),

@@ -13,6 +13,7 @@ import numpy as np
 
 from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError
+from relforest.support.masks import refuse_masked
 
 __all__ = [
     "BagTypeError",
@@ -22,7 +23,6 @@ __all__ = [
     "dimensions",
     "in_order_of",
     "is_sparse",
-    "refuse_masked",
 ]
 
 _MOMENTS = (date, time, timedelta, np.datetime64, np.timedelta64)
@@ -100,16 +100,6 @@ def dimensions(value: object) -> int:
 def is_sparse(value: object) -> bool:
     """Whether this is a sparse matrix or array."""
     return hasattr(value, "toarray") and hasattr(value, "nnz")
-
-
-def refuse_masked(value: object, what: str) -> None:
-    """Raise an error if an array, or one inside a nested list, has masked values."""
-    if isinstance(value, np.ma.MaskedArray):
-        if np.ma.getmaskarray(value).any():
-            raise InputError(f"{what} has masked values: drop these points or fill in the values")
-    elif isinstance(value, (list, tuple)):
-        for entry in value:
-            refuse_masked(entry, what)
 
 
 def _is_frame(value: object) -> bool:

@@ -17,10 +17,10 @@ from relforest.scenes.bag_values import (
     dimensions,
     in_order_of,
     is_sparse,
-    refuse_masked,
 )
 from relforest.scenes.ids import IdArray, as_ids, codes_by_appearance, plain
 from relforest.support.errors import InputError
+from relforest.support.masks import refuse_masked
 
 __all__ = ["LARGEST_VALUE", "BagTypeError", "Bags", "as_bags", "own_labels"]
 
@@ -218,7 +218,11 @@ def _from_identified(points: object, bag_ids: object) -> Bags:
             "next to its bag id."
         )
     refuse_masked(bag_ids, "bag_ids")
-    ids = as_ids("bag_ids", bag_ids if isinstance(bag_ids, list) else np.asarray(bag_ids))
+    given = bag_ids if isinstance(bag_ids, list) else np.asarray(bag_ids)
+    if isinstance(given, np.ndarray) and given.dtype == object and given.ndim == 1:
+        # An object array may hold anything; of a list, every value is checked.
+        given = given.tolist()
+    ids = as_ids("bag_ids", given)
     if len(ids) != len(array):
         raise InputError(f"bag_ids must have one entry for each of the {len(array)} points, got {len(ids)}")
     codes, distinct = codes_by_appearance(ids)

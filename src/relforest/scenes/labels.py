@@ -11,6 +11,7 @@ import numpy as np
 from sklearn.exceptions import DataConversionWarning
 
 from relforest.support.errors import InputError
+from relforest.support.masks import refuse_masked
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -92,8 +93,7 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
 
 def _column(y: ArrayLike) -> NDArray[Any]:
     """Return labels as a one-dimensional array."""
-    if isinstance(y, np.ma.MaskedArray) and np.ma.getmaskarray(y).any():
-        raise InputError("labels have masked values: give every label or leave its example out")
+    refuse_masked(y, "y")
     try:
         labels = np.asarray(y)
     except ValueError as error:

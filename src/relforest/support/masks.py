@@ -1,0 +1,31 @@
+"""Masked values, which NumPy silently replaces by what lies under the mask."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relforest.support.errors import InputError
+
+__all__ = ["refuse_masked"]
+
+
+def refuse_masked(values: object, what: str) -> None:
+    """Raise an error if an array, or one inside a nested list, has masked values.
+
+    Parameters
+    ----------
+    values : object
+    what : str
+        Name for error messages, with a verb in the singular: "bag 3".
+
+    Raises
+    ------
+    InputError
+        If a value is masked.
+    """
+    if isinstance(values, np.ma.MaskedArray):
+        if np.ma.getmaskarray(values).any():
+            raise InputError(f"{what} has masked values: leave them out or fill them in")
+    elif isinstance(values, (list, tuple)):
+        for entry in values:
+            refuse_masked(entry, what)
