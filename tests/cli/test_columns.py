@@ -12,14 +12,13 @@ from cli.command_lines import N_SCENES, passes, write
 from relforest.cli.columns import (
     Columns,
     check_schema,
-    listed,
     parse_attributes,
     parse_names,
     read_labels,
     read_scenes,
 )
 from relforest.scenes import Attribute, Scenes, Schema
-from relforest.scenes.parquet import to_table
+from relforest.scenes.parquet import sealed, to_table
 from relforest.support.errors import InputError, ModelFormatError
 from strategies import assert_same_scenes, scenes_batches
 
@@ -83,7 +82,9 @@ def test_names_are_separated_by_commas() -> None:
 
 @pytest.mark.parametrize("suffix", ["parquet", "csv"])
 def test_long_tables_are_read_by_their_columns(tmp_path: Path, suffix: str) -> None:
-    source = read_scenes(write(passes(), tmp_path / f"passes.{suffix}"), COLUMNS, remedy="")
+    source = read_scenes(
+        write(passes(), tmp_path / f"passes.{suffix}"), COLUMNS, remedy="", label="completed"
+    )
 
     assert len(source.scenes) == N_SCENES
     assert source.scenes.schema.parameters == ("passer",)
@@ -102,7 +103,7 @@ def test_long_tables_need_columns(tmp_path: Path) -> None:
 def test_own_files_need_none_even_with_further_columns(tmp_path: Path) -> None:
     scenes = small_scenes()
     path = own_file(tmp_path / "own.parquet", scenes, completed=[True, True, False])
-    source = read_scenes(path, None, remedy="")
+    source = read_scenes(path, None, remedy="", label="completed")
 
     assert_same_scenes(source.scenes, scenes)
     # The ids are equal, but the labels are still told apart.
@@ -183,7 +184,7 @@ def test_labels_are_of_two_classes(
     tmp_path: Path, pair: tuple[object, object], expected: list[object]
 ) -> None:
     labels = [label for label in pair for _ in range(3)] * (N_SCENES // 2)
-    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="")
+    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="", label="y")
 
     assert read_labels(source, "y")[:2].tolist() == expected
 
@@ -201,7 +202,7 @@ def test_labels_are_of_two_classes(
 )
 def test_other_labels_are_refused(tmp_path: Path, values: list[object], complaint: str) -> None:
     labels = [values[scene % len(values)] for scene in range(N_SCENES) for _ in range(3)]
-    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="")
+    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="", label="y")
 
     with pytest.raises(InputError, match=complaint):
         read_labels(source, "y")
@@ -209,7 +210,7 @@ def test_other_labels_are_refused(tmp_path: Path, values: list[object], complain
 
 def test_labels_are_constant_within_a_scene(tmp_path: Path) -> None:
     labels = [True] * (N_SCENES * 3 - 1) + [False]
-    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="")
+    source = read_scenes(write(passes(y=labels), tmp_path / "t.parquet"), COLUMNS, remedy="", label="y")
 
     with pytest.raises(InputError, match="column 'y' has the values True and False in scene 139"):
         read_labels(source, "y")
@@ -227,6 +228,23 @@ def test_scenes_of_another_kind_are_described() -> None:
     check_schema(Path("f.csv"), small_scenes(), small_scenes().schema)
 
 
-def test_long_lists_are_cut() -> None:
-    assert listed([1, "a"]) == "1, 'a'"
-    assert listed(range(10)) == "0, 1, 2, 3, 4, 5, 6, 7 and 2 more"
+def test_a_changed_own_file_is_refused_by_any_columns(tmp_path: Path) -> None:
+    table = sealed(to_table(small_scenes().take([0]).parts))
+    other = pa.array([0.5, 0.5])
+    path = write(table.set_column(4, "orientation", other), tmp_path / "own.parquet")
+    columns = Columns("scene", "object", ((Attribute("orientation"), ("orientation",)),))
+
+    for chosen in (None, columns):
+        with pytest.raises(ModelFormatError, match="column 'orientation' was changed after"):
+            read_scenes(path, chosen, remedy="")
+
+
+def test_columns_that_are_not_used_do_not_matter(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_bytes(b"pass,player,x,passer,note,note,y\n1,a,1,a,\xff,,no\n1,b,2,a,,\xfe,no\n2,a,1,,,,yes\n")
+    source = read_scenes(path, COLUMNS, remedy="", label="y")
+
+    assert source.scenes.arguments.tolist() == [[0], [-1]]
+    assert read_labels(source, "y").tolist() == ["no", "yes"]
+    with pytest.raises(InputError, match=r"no column 'z' in .*t\.csv: it has 'pass', 'player', 'x'"):
+        read_scenes(path, COLUMNS, remedy="", label="z")

@@ -103,11 +103,11 @@ def test_an_existing_model_is_replaced_only_on_demand(run: CommandLine, table: P
         (("--scene", "pass", "--label", "completed"), "--attribute NAME=COLUMN,... is missing"),
         (("--attribute", "extent=x", "--label", "completed"), "--scene COLUMN is missing"),
         (("--object", "player", "--label", "completed"), "--scene COLUMN is missing"),
-        ((*COLUMNS, "--label", "done"), "no column 'done' in the table: it has 'pass', 'player', 'x'"),
+        ((*COLUMNS, "--label", "done"), "parquet: it has 'pass', 'player', 'x', 'passer', 'completed'"),
         ((*COLUMNS, "--label", "player"), "column 'player' has the values 'p0' and 'p1' in scene 100"),
         ((*COLUMNS, "--label", "passer"), "has the label 'p0' in all 40 scenes"),
-        (("--scene", "pas", *COLUMNS[2:], "--label", "completed"), "no column 'pas' in the table"),
-        ((*COLUMNS, "--attribute", "weight=w", "--label", "completed"), "no column 'w' in the table"),
+        (("--scene", "pas", *COLUMNS[2:], "--label", "completed"), "no column 'pas' in "),
+        ((*COLUMNS, "--attribute", "weight=w", "--label", "completed"), "no column 'w' in "),
         ((*COLUMNS, "--attribute", "name=player", "--label", "completed"), "which is not a number"),
         ((*COLUMNS, "--attribute", "extent=x", "--label", "completed"), "attribute 'extent' is given twice"),
         ((*COLUMNS, "--attribute", "location", "--label", "completed"), "'location' is not understood"),
@@ -138,7 +138,7 @@ def test_bad_options_and_data_are_one_clear_line(
         ("none.parquet", None, "none.parquet cannot be read"),
         ("passes.txt", b"x", "has the suffix '.txt'"),
         ("broken.parquet", b"PAR1 and then nothing", "is not a readable Parquet file"),
-        ("broken.csv", b"a,b\n1,2,3\n", "is not a readable CSV file"),
+        ("broken.csv", b"pass,player,x,completed\n1,2,3\n", "broken.csv, line 2: there are 3 fields"),
         ("empty.csv", b"pass,player,x,completed\n", "the table has no rows"),
     ],
 )
@@ -178,3 +178,91 @@ def test_an_unknown_positive_class_is_an_error(run: CommandLine, table: Path, tm
     assert outcome.code == 1
     assert "--positive maybe is no label in the column 'completed': use False or True" in outcome.err
     assert not out.exists()
+
+
+HEAD = "pass;player;x;y;completed;note;note\n"
+WRITTEN = HEAD + "".join(f"0{number}0;é;0,{number};1;{number % 2};\xff;\n" for number in range(10, 20))
+PLACED = ("--scene", "pass", "--object", "player", "--attribute", "location=x,y", "--label", "completed")
+
+
+def test_tables_of_any_dialect_are_read(run: CommandLine, tmp_path: Path) -> None:
+    table, out = tmp_path / "passes.csv", tmp_path / "tree.json"
+    table.write_bytes(WRITTEN.encode("latin-1"))
+
+    assert "is not UTF-8 text (byte 0xe9 in line 2): pass" in run("fit", table, *PLACED, "--out", out).err
+    named = ("--encoding", "latin-1", "--separator", ";", "--decimal", ",")
+    assert run("fit", table, *PLACED, "--out", out, *named).code == 0
+    predicted = run("predict", out, table, "--encoding", "latin-1")
+    assert predicted.out.splitlines()[1].startswith("0100,")
+    assert run("show", out, "--scene", "0100", "of", table, "--encoding", "latin-1").code == 0
+    assert "'100'" in run("show", out, "--scene", "100", "of", table, *named).err
+    assert "separator must be one character" in run("predict", out, table, "--separator", ";;").err
+    assert (
+        "decimal must be one of" in run("fit", table, *PLACED, "--out", out, "--force", "--decimal", "x").err
+    )
+
+
+def test_a_table_may_be_a_folder(run: CommandLine, table: Path, model: Path, tmp_path: Path) -> None:
+    whole = parquet.read_table(table)
+    (tmp_path / "parts").mkdir()
+    for part, start in (("a", 0), ("b", 60)):
+        write(whole.slice(start, 60), tmp_path / "parts" / f"{part}.parquet")
+    out = tmp_path / "tree.json"
+
+    assert run("fit", tmp_path / "parts", *COLUMNS, "--label", "completed", "--out", out).code == 0
+    assert out.read_bytes() == model.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("labels", "positive", "classes"),
+    [
+        (("true", "false"), "true", (False, True)),
+        (("true", "false"), "false", (True, False)),
+        (("1", "0"), "1", (0, 1)),
+        (("1.0", "0.0"), "0.0", (1, 0)),
+        (("01", "1"), "1", ("01", "1")),
+        (("01", "1"), "01", ("1", "01")),
+    ],
+)
+def test_the_positive_class_is_named_as_it_is_written(
+    run: CommandLine, tmp_path: Path, labels: tuple[str, str], positive: str, classes: tuple[object, object]
+) -> None:
+    column = [labels[scene % 2] for scene in range(N_SCENES) for _ in range(3)]
+    table = write(passes(completed=column), tmp_path / "passes.csv")
+    out = tmp_path / "tree.json"
+    run("fit", table, *COLUMNS, "--label", "completed", "--positive", positive, "--out", out)
+
+    assert read_model(out).classes == classes
+    complaint = "--positive 001 is no label in the column 'completed'"
+    again = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "001", "--out", out, "--force")
+    assert complaint in again.err
+
+
+def test_a_tree_that_never_says_no_is_announced(run: CommandLine, tmp_path: Path) -> None:
+    # Three of four passes are completed, whatever the players do.
+    column = [scene % 4 > 0 for scene in range(N_SCENES) for _ in range(3)]
+    table = write(passes(completed=column, x=[0.5] * (3 * N_SCENES)), tmp_path / "passes.parquet")
+    out = tmp_path / "tree.json"
+    told = (
+        "all leaf probabilities are 1/2 or more, so the tree predicts completed = True for every scene: "
+        "--positive False asks what exists in the scenes of False instead"
+    )
+
+    assert told in run("fit", table, *COLUMNS, "--label", "completed", "--out", out).err
+    assert told in run("show", out).err
+    other = run(
+        "fit", table, *COLUMNS, "--label", "completed", "--positive", "False", "--out", out, "--force"
+    )
+    assert (
+        "below 1/2, so the tree predicts completed = True for every scene: --positive True asks" in other.err
+    )
+
+
+def test_a_tree_of_one_file_applies_to_ids_of_another_type(
+    run: CommandLine, model: Path, table: Path, tmp_path: Path
+) -> None:
+    words = parquet.read_table(table).set_column(0, "pass", [[f"0{n // 3}" for n in range(3 * N_SCENES)]])
+    outcome = run("predict", model, write(words, tmp_path / "words.parquet"))
+
+    assert outcome.code == 0
+    assert [line.split(",")[0] for line in outcome.out.splitlines()[1:4]] == ["00", "01", "02"]

@@ -101,3 +101,14 @@ def test_scenes_of_another_kind_are_refused(run: CommandLine, tmp_path: Path, mo
     outcome = run("show", tmp_path / "tree.json", "--scene", "scene 0", "of", tmp_path / "scenes.parquet")
 
     assert "but the tree is for scenes with the attributes extent (1-D)" in outcome.err
+
+
+@pytest.mark.parametrize("given", [("--scene", "-7", "of"), ("--scene=-7", "--of"), ("--scene", "007", "of")])
+def test_a_scene_is_named_as_it_is_written(
+    run: CommandLine, model: Path, tmp_path: Path, given: tuple[str, ...]
+) -> None:
+    path = tmp_path / "passes.csv"
+    path.write_text("pass,player,x\n-7,a,0.5\n007,b,0.5\n7,c,0.5\n")
+
+    name = given[0].partition("=")[2] or given[1]
+    assert f"scene {name}: probability" in run("show", model, *given, path).out

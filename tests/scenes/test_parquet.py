@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pyarrow import parquet
 
 from relforest.scenes import Attribute, Scenes, Schema
-from relforest.scenes.parquet import to_table, write_table
+from relforest.scenes.parquet import sealed, to_table, write_table
 from relforest.support.errors import InputError, ModelFormatError
 from strategies import assert_same_scenes, scenes_batches
 
@@ -122,8 +122,11 @@ def test_an_interrupted_or_failed_write_leaves_the_old_file(tmp_path: Path) -> N
     ("changes", "message"),
     [
         ({"object_ids": np.array(["p", "p"], dtype=object)}, "object 'p' occurs twice in scene 7"),
-        ({"object_ids": np.array(["p", 3], dtype=object)}, "object_ids must be all integers or all strings"),
-        ({"scene_ids": np.array([None, 3], dtype=object)}, "scene_ids must be all integers or all strings"),
+        (
+            {"object_ids": np.array(["p", 3], dtype=object)},
+            "object_ids mix integers and strings",
+        ),
+        ({"scene_ids": np.array([None, 3], dtype=object)}, "scene_ids must be integers or strings, got None"),
     ],
 )
 def test_scenes_whose_ids_do_not_identify_cannot_be_written(
@@ -204,3 +207,78 @@ def test_our_own_files_are_checked_when_they_come_back(table: Any, message: str,
 
     with pytest.raises(ModelFormatError, match=message):
         Scenes.from_parquet(tmp_path / "scenes.parquet")
+
+
+def test_columns_may_be_added_to_our_own_files(tmp_path: Path) -> None:
+    path = tmp_path / "scenes.parquet"
+    two_scenes().to_parquet(path)
+    parquet.write_table(parquet.read_table(path).append_column("label", pa.array([1, 1, 0])), path)
+
+    assert_same_scenes(Scenes.from_parquet(path), two_scenes())
+
+
+def test_files_without_digests_are_read(tmp_path: Path) -> None:
+    write_table(tmp_path / "scenes.parquet", to_table(two_scenes().parts))
+
+    assert_same_scenes(Scenes.from_parquet(tmp_path / "scenes.parquet"), two_scenes())
+
+
+@pytest.mark.parametrize(("column", "values"), [("weight", [None, 5.5, 5.0]), ("object", ["p", "r", "r"])])
+def test_a_change_of_values_is_noticed(column: str, values: list[Any], tmp_path: Path) -> None:
+    path = tmp_path / "scenes.parquet"
+    table = sealed(to_table(two_scenes().parts))
+    place = table.column_names.index(column)
+    write_table(path, table.set_column(place, table.field(place), pa.array(values, table.field(place).type)))
+    keywords: dict[str, Any] = {"scene": "scene", "object": "object", "attributes": {"weight": "weight"}}
+
+    for named in ({}, keywords):
+        with pytest.raises(ModelFormatError, match=f"is damaged, or column '{column}' was changed af"):
+            Scenes.from_parquet(path, **named)
+    # What is not read does not matter.
+    keywords = {"scene": "scene", "attributes": {"location_0": "location_0"}}
+    assert len(Scenes.from_parquet(path, **keywords)) == 2
+    parquet.write_table(parquet.read_table(path).replace_schema_metadata(), path)
+    assert len(Scenes.from_parquet(path, **keywords)) == 2
+
+
+@pytest.mark.parametrize("digests", [3, {}, {"": "0"}])
+def test_a_change_of_digests_is_noticed(digests: Any, tmp_path: Path) -> None:
+    write_table(tmp_path / "scenes.parquet", with_document(digests=digests))
+
+    with pytest.raises(ModelFormatError, match="its metadata was changed"):
+        Scenes.from_parquet(tmp_path / "scenes.parquet")
+
+
+@pytest.mark.parametrize("text", [False, True])
+def test_a_changed_byte_is_not_read_as_other_data(text: bool, tmp_path: Path) -> None:  # noqa: FBT001
+    path = tmp_path / "scenes.parquet"
+    scenes = two_scenes() if text else two_scenes(object_ids=np.array([300, 4]))
+    scenes.to_parquet(path)
+    data = path.read_bytes()
+    outcomes = {"refused": 0, "same": 0}
+    for place in range(0, len(data), 3):
+        path.write_bytes(data[:place] + bytes([data[place] ^ (1 << place % 8)]) + data[place + 1 :])
+        try:
+            assert Scenes.from_parquet(path) == scenes
+        except (InputError, ModelFormatError):
+            outcomes["refused"] += 1
+        else:
+            outcomes["same"] += 1
+
+    assert min(outcomes.values()) > 100
+
+
+@pytest.mark.parametrize("path", ["", "a\0b.parquet", "{folder}", "{file}/scenes.parquet"])
+def test_a_path_that_cannot_be_written_is_named(path: str, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    path = path.format(folder=tmp_path, file=tmp_path / "file")
+
+    with pytest.raises(InputError, match=r"cannot write to '|the path to write to is empty"):
+        two_scenes().to_parquet(path)
+    assert [each.name for each in tmp_path.iterdir()] == ["file"]
+
+
+def test_half_a_character_cannot_be_written(tmp_path: Path) -> None:
+    ids = np.array(["p", "\ud800"], dtype=object)
+    with pytest.raises(InputError, match=r"object_ids hold '\\ud800', which cannot be written as text"):
+        two_scenes(object_ids=ids).to_parquet(tmp_path / "scenes.parquet")

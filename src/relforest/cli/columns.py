@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -12,10 +10,15 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.scenes import Attribute, Scenes, Schema, read_table, scene_values
+from relforest.scenes import Attribute, Scenes, Schema, scene_values
 from relforest.scenes.arrow import ArrowTable
-from relforest.scenes.parquet import arrays_from_table, is_own
+from relforest.scenes.columns import listed
+from relforest.scenes.dialect import ANY_DIALECT, Dialect
+from relforest.scenes.frames import arrays_from_frame, frame_layout
+from relforest.scenes.parquet import check_unchanged, is_own, own_columns, read_own
 from relforest.scenes.schema import KINDS
+from relforest.scenes.table_file import TableFile
+from relforest.scenes.tables import open_table
 from relforest.support.errors import InputError, ModelFormatError
 
 
@@ -45,7 +48,7 @@ class Columns:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneTable:
-    """A table and the scenes read from it.
+    """Scenes and the columns that they were read from.
 
     Parameters
     ----------
@@ -53,6 +56,7 @@ class SceneTable:
     columns : Columns
         Where they were.
     table : pyarrow.Table
+        The columns that were read.
     scene_key : str
         The column that tells the scenes apart, whether or not two of them have the same id.
     """
@@ -101,7 +105,14 @@ def parse_names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",")) if text.strip() else ()
 
 
-def read_scenes(path: Path, columns: Columns | None, *, remedy: str) -> SceneTable:
+def read_scenes(
+    path: Path,
+    columns: Columns | None,
+    *,
+    remedy: str,
+    label: str | None = None,
+    dialect: Dialect = ANY_DIALECT,
+) -> SceneTable:
     """Read scenes from a CSV or Parquet file.
 
     Parameters
@@ -111,6 +122,10 @@ def read_scenes(path: Path, columns: Columns | None, *, remedy: str) -> SceneTab
         Not needed for a Parquet file written by `Scenes.to_parquet`, which may have further columns.
     remedy : str
         What to do where they are missing and needed, for the message.
+    label : str, optional
+        One more column to read, for `read_labels`.
+    dialect : Dialect
+        How a CSV file is written.
 
     Raises
     ------
@@ -119,27 +134,24 @@ def read_scenes(path: Path, columns: Columns | None, *, remedy: str) -> SceneTab
     ModelFormatError
         If the file says that `Scenes.to_parquet` wrote it, but was changed since.
     """
-    table = read_table(path)
-    if is_own(table) and columns is None:
-        return _read_own(path, table)
-    if is_own(table) and columns is not None:
-        # Only the file's own numbering can tell scenes of the same id apart.
-        with suppress(ModelFormatError):
-            own = _read_own(path, table)
-            if own.columns == columns or columns.scene not in table.column_names:
-                return own
+    file = open_table(path, dialect)
+    labels = [] if label is None else [label]
+    if is_own(file):
+        own = _own_columns(file, columns)
+        if own is not None:
+            # Only the file's own numbering can tell scenes of the same id apart.
+            scene_key = own_columns(file)[1][-2]
+            table = file.read([scene_key, *labels])
+            return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
     if columns is None:
         raise InputError(
-            f"{path} was not written by Scenes.to_parquet: {remedy} (it has {listed(table.column_names)})"
+            f"{path} was not written by Scenes.to_parquet: {remedy} (it has {listed(file.names)})"
         )
-    scenes = Scenes.from_frame(
-        table,
-        scene=columns.scene,
-        object=columns.object,
-        attributes=dict(columns.attributes),
-        arguments=columns.arguments,
-    )
-    return SceneTable(scenes, columns, table, columns.scene)
+    layout = frame_layout(columns.scene, columns.object, dict(columns.attributes), columns.arguments)
+    table = file.read([*layout.columns, *labels])
+    if is_own(file):
+        check_unchanged(file, table)
+    return SceneTable(Scenes(*arrays_from_frame(table, layout)), columns, table, columns.scene)
 
 
 def _as_numbers(labels: NDArray[Any], column: str) -> NDArray[Any]:
@@ -182,12 +194,6 @@ def read_labels(source: SceneTable, column: str) -> NDArray[Any]:
     return labels
 
 
-def listed(values: Sequence[object]) -> str:
-    """Return the first few values, for messages."""
-    shown = ", ".join(repr(value) for value in values[:8])
-    return f"{shown} and {len(values) - 8} more" if len(values) > 8 else shown
-
-
 def _described(schema: Schema) -> str:
     attributes = ", ".join(
         f"{attribute.name} ({'angle' if attribute.kind == 'angle' else f'{attribute.dim}-D'})"
@@ -212,23 +218,17 @@ def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:
     return Attribute(name.strip(), len(columns), kind or None), columns
 
 
-def _read_own(path: Path, table: ArrowTable) -> SceneTable:
-    names = _stored_names(table)
-    kept = [name for name in table.column_names if name in names]
-    scenes = Scenes(*arrays_from_table(table.select(kept), str(path)))
-    width = 2
-    attributes = []
-    for attribute in scenes.schema.attributes:
-        attributes.append((attribute, tuple(names[width : width + attribute.dim])))
-        width += attribute.dim
-    columns = Columns(names[0], names[1], tuple(attributes), tuple(names[width:-2]))
-    return SceneTable(scenes, columns, table, names[-2])
-
-
-def _stored_names(table: ArrowTable) -> list[str]:
-    """Return the columns that `Scenes.to_parquet` wrote; all of them if it is not told, or not well."""
+def _own_columns(file: TableFile, columns: Columns | None) -> Columns | None:
+    """Return where `Scenes.to_parquet` wrote scenes; None if they are to be read from other columns."""
     try:
-        names = json.loads(table.schema.metadata[b"relforest"])["columns"]
-    except (ValueError, KeyError, TypeError, RecursionError):
-        return list(table.column_names)
-    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
+        schema, names = own_columns(file)
+    except ModelFormatError:
+        if columns is None:
+            raise
+        return None
+    components = iter(names[2:])
+    attributes = tuple(
+        (attribute, tuple(next(components) for _ in range(attribute.dim))) for attribute in schema.attributes
+    )
+    own = Columns(names[0], names[1], attributes, tuple(names[2 + schema.width : -2]))
+    return own if columns is None or columns == own or columns.scene not in file.names else None

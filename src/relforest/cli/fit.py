@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
 from tyro.conf import Positional, UseAppendAction, arg
 
+from relforest.cli.one_sided import one_sided_hint
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.cli.columns import Columns, SceneTable
-    from relforest.cli.model_file import Label
+    from relforest.cli.model_file import Label, Model
     from relforest.trees import SMRFTreeClassifier
 
 _REMEDY: Final = "say what its columns are, such as --scene pass --object player --attribute location=x,y"
@@ -49,6 +50,12 @@ class FitOptions:
         Parquet or CSV file.
     label
         Column of the labels.
+    separator
+        What separates the fields of a CSV file: one character, or "tab". By default it is found out.
+    decimal
+        Decimal mark of a CSV file: "." or ",". By default it is found out where only one can be meant.
+    encoding
+        Encoding of a CSV file, such as latin-1; by default UTF-8, or UTF-16 with its mark.
     positive
         The label whose scenes the tree is about, such as False if it is failures that have a cause to be
         found.
@@ -91,6 +98,9 @@ class FitOptions:
     object: Annotated[str | None, arg(metavar="COLUMN", help_behavior_hint="")] = None
     attribute: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN[,COLUMN...]")] = ()
     arguments: Annotated[str, arg(metavar="COLUMN[,COLUMN...]", help_behavior_hint="")] = ""
+    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
+    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
+    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
     test: Literal["likelihood-ratio", "permutation"] = "likelihood-ratio"
     alpha: float = 0.05
@@ -108,6 +118,7 @@ def fit(options: FitOptions) -> int:
     from relforest.cli.model_file import Model, write_model
     from relforest.metrics import peirce_skill_score
     from relforest.reports import question_points
+    from relforest.scenes.dialect import Dialect
     from relforest.support.options import at_least
     from relforest.support.parallel import checked_jobs
     from relforest.trees import SMRFTreeClassifier
@@ -115,7 +126,10 @@ def fit(options: FitOptions) -> int:
     at_least("seed", options.seed, 0)
     checked_jobs(options.jobs)
     check_free(options.out, force=options.force)
-    source = read_scenes(options.table, _columns(options), remedy=_REMEDY)
+    dialect = Dialect(options.separator, options.decimal, options.encoding)
+    source = read_scenes(
+        options.table, _columns(options), remedy=_REMEDY, label=options.label, dialect=dialect
+    )
     labels = read_labels(source, options.label)
     classes = _classes(labels, options)
     positive = labels == classes[1]
@@ -138,7 +152,7 @@ def fit(options: FitOptions) -> int:
     print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
     print(f"Peirce skill score on the training scenes: {score:.3f}")
     write_model(options.out, model)
-    _comment(options, source, classifier)
+    _comment(options, model, source, classifier)
     return 0
 
 
@@ -147,13 +161,21 @@ def _classes(labels: NDArray[Any], options: FitOptions) -> tuple[Label, Label]:
     from relforest.scenes.labels import binary_labels
 
     first, second = binary_labels(labels, len(labels), what="scenes").classes.tolist()
-    if options.positive is None or options.positive == str(second):
+    if options.positive is None or _is_meant(options.positive, second):
         return first, second
-    if options.positive == str(first):
+    if _is_meant(options.positive, first):
         return second, first
     raise InputError(
         f"--positive {options.positive} is no label in the column {options.label!r}: use {first} or {second}"
     )
+
+
+def _is_meant(text: str, label: Label) -> bool:
+    """Return whether a label is written like this, here or in a table."""
+    from relforest.scenes.label_text import parsed_label
+
+    written = parsed_label(text)
+    return text == str(label) or (written == label and isinstance(written, bool) == isinstance(label, bool))
 
 
 def _columns(options: FitOptions) -> Columns | None:
@@ -168,7 +190,7 @@ def _columns(options: FitOptions) -> Columns | None:
     return Columns(options.scene, options.object, attributes, arguments)
 
 
-def _comment(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
+def _comment(options: FitOptions, model: Model, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
     if classifier.tree_.is_stub:
         note(
             f"no question proved itself at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so the "
@@ -179,4 +201,6 @@ def _comment(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassi
             f"{classifier.n_left_out_} possible questions were left out, because they would see more than "
             f"{classifier.max_points} instantiation sequences each: a larger --max-points allows them"
         )
+    if hint := one_sided_hint(model):
+        note(hint)
     note(f"wrote {options.out}")

@@ -42,6 +42,12 @@ class PredictOptions:
         Parquet or CSV file.
     out
         CSV file to write.
+    separator
+        What separates the fields of a CSV file: one character, or "tab". By default it is found out.
+    decimal
+        Decimal mark of a CSV file: "." or ",". By default it is found out where only one can be meant.
+    encoding
+        Encoding of a CSV file, such as latin-1; by default UTF-8, or UTF-16 with its mark.
     jobs
         Threads; the result does not depend on it.
     force
@@ -51,6 +57,9 @@ class PredictOptions:
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
     table: Annotated[Positional[Path], arg(metavar="TABLE")]
     out: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")] = None
+    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
+    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
+    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     jobs: int = 1
     force: bool = False
 
@@ -59,6 +68,7 @@ def predict(options: PredictOptions) -> int:
     """Predict as the options say; the exit code is 0."""
     from relforest.cli.columns import check_schema, read_scenes
     from relforest.cli.model_file import read_model
+    from relforest.scenes.dialect import Dialect
     from relforest.support.files import write_text
     from relforest.support.parallel import checked_jobs
 
@@ -66,7 +76,8 @@ def predict(options: PredictOptions) -> int:
     if options.out is not None:
         check_free(options.out, force=options.force)
     model = read_model(options.model)
-    scenes = read_scenes(options.table, model.columns, remedy=model.remedy).scenes
+    dialect = Dialect(options.separator, options.decimal, options.encoding)
+    scenes = read_scenes(options.table, model.columns, remedy=model.remedy, dialect=dialect).scenes
     check_schema(options.table, scenes, model.tree.schema)
     text = _as_csv(model, scenes, options.jobs)
     if options.out is None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, final
 
 from tyro.conf import Positional, arg
 
+from relforest.cli.one_sided import one_sided_hint
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note
 from relforest.support.errors import InputError
@@ -18,6 +19,7 @@ from relforest.support.errors import InputError
 if TYPE_CHECKING:
     from relforest.cli.model_file import Model
     from relforest.scenes import Scenes
+    from relforest.scenes.dialect import Dialect
 
 
 @final
@@ -44,6 +46,12 @@ class ShowOptions:
         FILE".
     of
         The file, if it is not named after the scene.
+    separator
+        What separates the fields of a CSV file: one character, or "tab". By default it is found out.
+    decimal
+        Decimal mark of a CSV file: "." or ",". By default it is found out where only one can be meant.
+    encoding
+        Encoding of a CSV file, such as latin-1; by default UTF-8, or UTF-16 with its mark.
     out
         Picture to write: .svg or .png.
     force
@@ -53,6 +61,9 @@ class ShowOptions:
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
     scene: Annotated[tuple[str, ...], arg(metavar="K [of FILE]", help_behavior_hint="")] = ()
     of: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="")] = None
+    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
+    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
+    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     out: Annotated[Path | None, arg(metavar="PICTURE", help_behavior_hint="(default: no picture)")] = None
     force: bool = False
 
@@ -65,13 +76,17 @@ def show(options: ShowOptions) -> int:
     from relforest.reports import save_figure, tree_figure
     from relforest.reports.figure_files import check_suffix
     from relforest.reports.tree_path import path_in_words, tree_path
+    from relforest.scenes.dialect import Dialect
 
     if options.out is not None:
         check_suffix(options.out)
         check_free(options.out, force=options.force)
+    dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
-    scene = None if chosen is None else _find_scene(*chosen, model)
+    scene = None if chosen is None else _find_scene(*chosen, model, dialect)
     print(model.tree)
+    if hint := one_sided_hint(model):
+        note(hint)
     if scene is not None:
         print()
         print(path_in_words(model.tree, tree_path(model.tree, scene)))
@@ -100,11 +115,12 @@ def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
             raise InputError(f"--scene {' '.join(given)} is not understood: write --scene K of FILE")
 
 
-def _find_scene(key: str, path: Path, model: Model) -> Scenes:
-    from relforest.cli.columns import check_schema, listed, read_scenes
+def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
+    from relforest.cli.columns import check_schema, read_scenes
+    from relforest.scenes.columns import listed
     from relforest.scenes.ids import plain
 
-    scenes = read_scenes(path, model.columns, remedy=model.remedy).scenes
+    scenes = read_scenes(path, model.columns, remedy=model.remedy, dialect=dialect).scenes
     check_schema(path, scenes, model.tree.schema)
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
     positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]

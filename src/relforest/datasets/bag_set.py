@@ -107,7 +107,8 @@ class BagSet:
                 f"labels must be booleans, got {labels.dtype}: compare them with the positive label"
             )
         labels.flags.writeable = False
-        ids = as_ids("bag_ids", np.array(self.bag_ids)) if len(self.bag_ids) else as_ids("", data.bag_ids)
+        ids = as_ids("bag_ids", self.bag_ids).copy() if len(self.bag_ids) else data.bag_ids
+        ids.flags.writeable = False
         for name, values in (("labels", labels), ("bag_ids", ids)):
             if values.shape != (len(data),):
                 raise InputError(
@@ -148,7 +149,7 @@ class BagSet:
         InputError
             If instances of a bag disagree about its label, or for the reasons listed under `BagSet`.
         """
-        codes, ids = codes_by_appearance(np.array(bag_ids, dtype=object))
+        codes, ids = codes_by_appearance(as_ids("bag_ids", bag_ids))
         counts = np.bincount(codes, minlength=len(ids))
         grouped = np.argsort(codes, kind="stable")
         starts = np.cumsum(counts) - counts

@@ -9,7 +9,17 @@ import pyarrow.compute as pc
 
 from relforest.scenes.arrays import IntArray
 
-__all__ = ["ArrowArray", "ArrowTable", "ArrowType", "is_numeric", "is_text", "one_array", "to_codes"]
+__all__ = [
+    "ArrowArray",
+    "ArrowTable",
+    "ArrowType",
+    "is_numeric",
+    "is_temporal",
+    "is_text",
+    "iso_text",
+    "one_array",
+    "to_codes",
+]
 
 # pyarrow ships no types; the names say at least what is meant.
 ArrowArray: TypeAlias = Any
@@ -22,9 +32,10 @@ def one_array(column: ArrowArray) -> ArrowArray:
     array = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
     if pa.types.is_dictionary(array.type):
         array = pc.cast(array, array.type.value_type)
+    if pa.types.is_string_view(array.type):
+        array = pc.cast(array, pa.large_string())
     if pa.types.is_floating(array.type):
-        array = pc.cast(array, pa.float64())
-        array = pc.if_else(pc.is_nan(array), pa.scalar(None, pa.float64()), array)
+        array = pc.if_else(pc.is_nan(array), pa.scalar(None, array.type), array)
     return array
 
 
@@ -35,11 +46,32 @@ def to_codes(column: ArrowArray) -> tuple[IntArray, ArrowArray]:
     return cast("IntArray", codes), encoded.dictionary
 
 
+def iso_text(column: ArrowArray) -> ArrowArray:
+    """Return dates, times or timestamps as large_string in ISO 8601, such as ``2020-01-31T09:30:00``."""
+    if pa.types.is_date64(column.type):
+        column = pc.cast(column, pa.date32())
+    text = pc.cast(pc.cast(column, pa.string()), pa.large_string())
+    # Arrow writes "2020-01-31 09:30:00.000000+0100".
+    for pattern, replacement in (
+        (r"^(\S+) ", r"\1T"),
+        (r"(:\d\d\.\d*?)0+([+Z-].*)?$", r"\1\2"),
+        (r"\.([+Z-].*)?$", r"\1"),
+        (r"(T.*[+-]\d\d)(\d\d)$", r"\1:\2"),
+    ):
+        text = pc.replace_substring_regex(text, pattern, replacement)
+    return text
+
+
 def is_numeric(kind: ArrowType) -> bool:
     """Tell whether values of a type are numbers (booleans are 0 and 1, a column of nulls counts too)."""
     types = pa.types
     tests = (types.is_integer, types.is_floating, types.is_decimal, types.is_boolean, types.is_null)
     return any(test(kind) for test in tests)
+
+
+def is_temporal(kind: ArrowType) -> bool:
+    """Return whether values of a type are dates, times or timestamps."""
+    return any(test(kind) for test in (pa.types.is_date, pa.types.is_time, pa.types.is_timestamp))
 
 
 def is_text(kind: ArrowType) -> bool:

@@ -217,12 +217,7 @@ def _from_identified(points: object, bag_ids: object) -> Bags:
             f"Expected 2D array, got {array.ndim}D array instead. Reshape your data to one row per point, "
             "next to its bag id."
         )
-    refuse_masked(bag_ids, "bag_ids")
-    given = bag_ids if isinstance(bag_ids, list) else np.asarray(bag_ids)
-    if isinstance(given, np.ndarray) and given.dtype == object and given.ndim == 1:
-        # An object array may hold anything; of a list, every value is checked.
-        given = given.tolist()
-    ids = as_ids("bag_ids", given)
+    ids = as_ids("bag_ids", bag_ids)
     if len(ids) != len(array):
         raise InputError(f"bag_ids must have one entry for each of the {len(array)} points, got {len(ids)}")
     codes, distinct = codes_by_appearance(ids)

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 
 from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arrays, compact
 from relforest.scenes.derived import add_attribute
-from relforest.scenes.frames import AttributeColumns, arrays_from_frame
+from relforest.scenes.frames import AttributeColumns, arrays_from_frame, frame_layout
 from relforest.scenes.ids import IdArray
 from relforest.scenes.padded import arrays_from_padded
-from relforest.scenes.parquet import arrays_from_table, is_own, to_table, write_table
+from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
+from relforest.scenes.parquet_files import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
-from relforest.scenes.tables import read_parquet
 from relforest.support.errors import InputError
 
 __all__ = ["Scenes"]
@@ -232,11 +232,7 @@ class Scenes:
         >>> Scenes.from_frame(frame, scene="pass", object="player", attributes={"abscissa": "x"})
         Scenes(2 scenes, 1 to 2 objects each; attributes abscissa (1))
         """
-        return cls(
-            *arrays_from_frame(
-                frame, scene=scene, object_column=object, attributes=attributes, arguments=arguments
-            )
-        )
+        return cls(*arrays_from_frame(frame, frame_layout(scene, object, attributes, arguments)))
 
     @classmethod
     def from_dicts(cls, records: Iterable[Mapping[str, Any]], schema: Schema | None = None) -> Scenes:
@@ -310,7 +306,8 @@ class Scenes:
         Parameters
         ----------
         path : path
-            A file written by `to_parquet`, which needs no keywords, or any long table.
+            A file written by `to_parquet`, which needs no keywords, or any long table; or a folder of Parquet
+            files with the same columns. Columns that are not named do not matter.
         scene, object, attributes, arguments
             As for `from_frame`.
 
@@ -319,17 +316,21 @@ class Scenes:
         InputError
             If the file is missing or damaged, or keywords are missing; and as for `from_frame`.
         ModelFormatError
-            If the file was written by `to_parquet` of a newer version, or changed since.
+            If the file was written by `to_parquet` of a newer version, or changed or damaged since.
         """
-        table = read_parquet(path)
-        if scene is None and object is None and attributes is None and not arguments and is_own(table):
-            return cls(*arrays_from_table(table, str(path)))
+        file = open_parquet(path)
+        if scene is None and object is None and attributes is None and not arguments and is_own(file):
+            return cls(*read_own(file))
         if scene is None or attributes is None:
             raise InputError(
                 f"{path} was not written by Scenes.to_parquet, or keywords were given: name its columns "
                 "with scene= and attributes= (and object=, arguments=) as for from_frame"
             )
-        return cls.from_frame(table, scene=scene, object=object, attributes=attributes, arguments=arguments)
+        layout = frame_layout(scene, object, attributes, arguments)
+        table = file.read(layout.columns)
+        if is_own(file):
+            check_unchanged(file, table)
+        return cls(*arrays_from_frame(table, layout))
 
     def to_parquet(self, path: str | PathLike[str]) -> None:
         """Write the scenes to a Parquet file, whole or not at all.
@@ -342,7 +343,7 @@ class Scenes:
         InputError
             If ids within a scene are not different, or an argument is bound to an object of another scene.
         """
-        write_table(path, to_table(self.parts))
+        write_table(path, sealed(to_table(self.parts)))
 
     def to_dicts(self) -> list[dict[str, Any]]:
         """Return one dictionary of plain JSON values per scene, as `from_dicts` reads them."""

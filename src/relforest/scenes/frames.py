@@ -13,22 +13,16 @@ from numpy.typing import NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays
 from relforest.scenes.arrow import ArrowArray, is_numeric, is_text, to_codes
-from relforest.scenes.columns import (
-    Codes,
-    Frame,
-    Locate,
-    arrow_column,
-    encode,
-    id_column,
-    number_column,
-    open_frame,
-)
+from relforest.scenes.columns import Codes, Frame, Locate, arrow_column, encode, open_frame
+from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import plain
+from relforest.scenes.label_text import parsed_labels
 from relforest.scenes.lookup import bind_arguments, index_objects
+from relforest.scenes.number_columns import number_columns
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["AttributeColumns", "arrays_from_frame", "scene_values"]
+__all__ = ["AttributeColumns", "FrameLayout", "arrays_from_frame", "frame_layout", "scene_values"]
 
 AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
 
@@ -45,29 +39,48 @@ class _Objects:
     codes: Codes  # identifiers
 
 
-def arrays_from_frame(
-    frame: object,
-    *,
-    scene: str,
-    object_column: str | None,
-    attributes: AttributeColumns,
-    arguments: Sequence[str],
-) -> SceneArrays:
+@final
+@dataclass(frozen=True, slots=True)
+class FrameLayout:
+    """Which columns of a long table scenes are made of."""
+
+    scene: str
+    object: str | None
+    attributes: tuple[tuple[Attribute, tuple[str, ...]], ...]
+    arguments: tuple[str, ...]
+
+    @property
+    def numbers(self) -> list[str]:
+        """The columns of the attributes' components."""
+        return [name for _, names in self.attributes for name in names]
+
+    @property
+    def columns(self) -> list[str]:
+        """All columns."""
+        return [self.scene, *([] if self.object is None else [self.object]), *self.arguments, *self.numbers]
+
+
+def frame_layout(
+    scene: str, object_column: str | None, attributes: AttributeColumns, arguments: Sequence[str]
+) -> FrameLayout:
+    """Check the keywords of `Scenes.from_frame`."""
+    return FrameLayout(
+        scene, object_column, _attribute_layout(attributes), _parameter_names(arguments, object_column)
+    )
+
+
+def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
     """Read scenes from a long table; see `Scenes.from_frame`."""
-    layout = _attribute_layout(attributes)
-    parameters = _parameter_names(arguments, object_column)
-    schema = Schema([attribute for attribute, _ in layout], parameters)
-    named = [scene, *([] if object_column is None else [object_column]), *parameters]
-    table = open_frame(frame, [*named, *(name for _, names in layout for name in names)])
-    scenes = _scene_codes(table, scene)
-    object_ids = None if object_column is None else id_column(table, object_column)
-    locate = _locator(scenes, object_ids)
-    matrix = np.column_stack([number_column(table, name, locate) for _, names in layout for name in names])
+    schema = Schema([attribute for attribute, _ in layout.attributes], layout.arguments)
+    table = open_frame(frame, layout.columns)
+    scenes = _scene_codes(table, layout.scene)
+    object_ids = None if layout.object is None else id_column(table, layout.object)
+    matrix = number_columns(table, layout.numbers, _locator(scenes, object_ids))
     objects = _group(scenes, object_ids, matrix)
     index = index_objects(scenes.ids, objects.scenes, objects.codes)
     bound = [
         bind_arguments(index, parameter, _constant_values(id_column(table, parameter), scenes, parameter))
-        for parameter in parameters
+        for parameter in layout.arguments
     ]
     return SceneArrays(
         schema,
@@ -96,7 +109,8 @@ def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
     Returns
     -------
     (n_scenes,) array
-        In order of the scenes' first appearance, aligned with `Scenes.from_frame`.
+        In order of the scenes' first appearance, aligned with `Scenes.from_frame`. Strings that all spell an
+        integer, a boolean or a number, each in one way, become such values.
 
     Raises
     ------
@@ -114,10 +128,11 @@ def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
     if missing.size:
         name = plain(scenes.ids[missing[0]])
         raise InputError(f"column {column!r} has no value in scene {name!r}: fill it in or drop the scene")
-    return cast("NDArray[Any]", chosen.to_numpy(zero_copy_only=False))
+    array = cast("NDArray[Any]", chosen.to_numpy(zero_copy_only=False))
+    return parsed_labels(array) if array.dtype == object else array
 
 
-def _attribute_layout(attributes: AttributeColumns) -> list[tuple[Attribute, tuple[str, ...]]]:
+def _attribute_layout(attributes: AttributeColumns) -> tuple[tuple[Attribute, tuple[str, ...]], ...]:
     """Pair each attribute with its columns."""
     if not isinstance(attributes, Mapping) or not attributes:
         raise InputError(
@@ -136,7 +151,7 @@ def _attribute_layout(attributes: AttributeColumns) -> list[tuple[Attribute, tup
                 f"attribute {name!r} has dim {attribute.dim}, but is mapped to {len(columns)} columns"
             )
         layout.append((attribute, columns))
-    return layout
+    return tuple(layout)
 
 
 def _parameter_names(arguments: Sequence[str], object_column: str | None) -> tuple[str, ...]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,28 +14,33 @@ __all__ = ["IdArray", "as_ids", "codes_by_appearance", "plain"]
 IdArray = NDArray[Any]
 
 
-def as_ids(what: str, values: Sequence[object] | IdArray) -> IdArray:
+def as_ids(what: str, values: object) -> IdArray:
     """Return identifiers as a read-only int64 or object (str) array of shape (n,).
 
     Parameters
     ----------
     what : str
         Name for error messages, such as ``"scene_ids"``.
-    values : sequence or array
-        Integers or strings; an object array is taken to hold one of the two already.
+    values : sequence, array or series
+        Integers or strings.
 
     Raises
     ------
     InputError
-        If the values are of another type, or integers and strings are mixed.
+        If the values are of another type, beyond 64 bits, or integers and strings are mixed.
     """
-    array = values if isinstance(values, np.ndarray) else _from_sequence(what, list(values))
+    if isinstance(values, np.ma.MaskedArray):
+        raise InputError(f"{what} must not be a masked array: every identifier must be given")
+    if isinstance(values, (list, tuple)):
+        # NumPy would turn the numbers of a mixed list into strings.
+        values = _from_sequence(what, list(values))
+    array = np.asarray(values)
     if array.ndim != 1:
         raise InputError(f"{what} must be one-dimensional, got the shape {array.shape}")
-    if array.dtype.kind in "iu":
+    if array.dtype.kind == "i":
         ids: IdArray = array.astype(np.int64, copy=False)
-    elif array.dtype.kind in "UO":
-        ids = array.astype(object, copy=False)
+    elif array.dtype.kind in "uOUT":
+        ids = _from_sequence(what, array.tolist())
     else:
         raise InputError(f"{what} must be integers or strings, got {array.dtype}: convert them to strings")
     view = ids.view()
@@ -67,18 +71,21 @@ def plain(value: object) -> object:
 
 
 def _from_sequence(what: str, values: list[object]) -> IdArray:
-    is_integer = [isinstance(value, (int, np.integer)) and not isinstance(value, bool) for value in values]
-    if all(is_integer):
+    # Types are compared, not values: a batch has few types and many identifiers.
+    kinds = set(map(type, values))
+    integers = {kind for kind in kinds if issubclass(kind, (int, np.integer)) and kind is not bool}
+    strings = {kind for kind in kinds if issubclass(kind, str)}
+    if kinds > integers | strings:
+        wrong = next(value for value in values if type(value) not in integers | strings)
+        raise InputError(f"{what} must be integers or strings, got {wrong!r}: convert them to strings")
+    if integers and strings:
+        odd = next(value for value in values if isinstance(value, str))
+        raise InputError(f"{what} mix integers and strings (such as {odd!r}): convert all of them to strings")
+    if not strings:
         try:
-            return np.array(values, dtype=np.int64)
+            return np.array([int(cast("int", value)) for value in values], dtype=np.int64)
         except OverflowError as error:
             raise InputError(f"{what} exceed 64-bit integers: convert them to strings") from error
-    odd = [value for value, integer in zip(values, is_integer, strict=True) if not integer]
-    wrong = [value for value in odd if not isinstance(value, str)]
-    if wrong:
-        raise InputError(f"{what} must be integers or strings, got {wrong[0]!r}: convert them to strings")
-    if len(odd) < len(values):
-        raise InputError(
-            f"{what} mix integers and strings (such as {odd[0]!r}): convert all of them to strings"
-        )
-    return np.array([str(value) for value in values], dtype=object)
+    ids = np.empty(len(values), dtype=object)
+    ids[:] = values if strings == {str} else list(map(str, values))
+    return ids

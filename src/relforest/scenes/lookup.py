@@ -98,14 +98,9 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
     """
     ids = pa.array(index.object_ids, from_pandas=True)
     ids = pc.cast(ids, pa.large_string() if index.object_ids.dtype == object else pa.int64())
-    try:
-        # A CSV reader takes "7" for a number in a column where no other id shows that ids are strings.
-        values = pc.cast(values, ids.type)
-    except pa.ArrowInvalid as error:
-        raise InputError(
-            f"argument {parameter!r} holds {values.type} values ({error}), but object ids are {ids.type}: "
-            "give both columns the same type"
-        ) from error
+    if values.type != ids.type:
+        # Types may differ where no argument shows that ids are strings. Text can hold both: 07 is not 7.
+        ids, values = pc.cast(ids, pa.large_string()), pc.cast(values, pa.large_string())
     codes = pc.fill_null(pc.cast(pc.index_in(values, value_set=ids), pa.int64()), -1).to_numpy(
         zero_copy_only=False
     )

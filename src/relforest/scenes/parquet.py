@@ -8,8 +8,9 @@ file's metadata.
 from __future__ import annotations
 
 import json
+import os
 from os import PathLike
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pyarrow as pa
@@ -19,25 +20,38 @@ from pyarrow import parquet
 
 from relforest.scenes.arrays import IntArray, SceneArrays, compact
 from relforest.scenes.arrow import ArrowArray, ArrowTable
-from relforest.scenes.columns import Codes, encode, id_column, number_column, open_frame
+from relforest.scenes.columns import Codes, encode, open_frame
+from relforest.scenes.digests import column_digest, document_digest
+from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import IdArray
 from relforest.scenes.lookup import bind_arguments, index_objects
+from relforest.scenes.number_columns import number_columns
 from relforest.scenes.schema import Schema
-from relforest.support.errors import InputError, ModelFormatError
+from relforest.scenes.table_file import TableFile
+from relforest.support.errors import InputError, ModelFormatError, RelforestError
 from relforest.support.files import check_document, write_bytes
 
-__all__ = ["arrays_from_table", "is_own", "to_table", "write_table"]
+__all__ = ["check_unchanged", "is_own", "own_columns", "read_own", "sealed", "to_table", "write_table"]
 
 FORMAT: Final = "relforest-scenes"
 VERSION: Final = 1
 _KEY: Final = b"relforest"
+_DIGESTS: Final = "digests"
 
 
 def write_table(path: str | PathLike[str], table: ArrowTable) -> None:
     """Write an arrow table as a Parquet file, whole or not at all."""
     sink = pa.BufferOutputStream()
-    parquet.write_table(table, sink, compression="zstd")
-    write_bytes(path, sink.getvalue().to_pybytes())
+    parquet.write_table(table, sink, compression="zstd", write_page_checksum=True)
+    try:
+        if not os.fspath(path):
+            raise InputError("the path to write to is empty: give the name of a file")
+        write_bytes(path, sink.getvalue().to_pybytes())
+    except RelforestError:
+        raise
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot write to {str(path)!r}: {reason}") from error
 
 
 def to_table(parts: SceneArrays) -> ArrowTable:
@@ -71,28 +85,78 @@ def to_table(parts: SceneArrays) -> ArrowTable:
     return pa.table(columns, names=names).replace_schema_metadata({_KEY: json.dumps(document).encode()})
 
 
-def is_own(table: ArrowTable) -> bool:
-    """Tell whether a table was made by `to_table`."""
-    return _KEY in (table.schema.metadata or {})
+def sealed(table: ArrowTable) -> ArrowTable:
+    """Return what `to_table` made with digests in its metadata, by which damage to a file is noticed."""
+    document = json.loads(table.schema.metadata[_KEY])
+    digests = {name: column_digest(table[name]) for name in table.column_names}
+    digests[""] = document_digest(document)
+    return table.replace_schema_metadata({_KEY: json.dumps(document | {_DIGESTS: digests}).encode()})
 
 
-def arrays_from_table(table: ArrowTable, origin: str) -> SceneArrays:
-    """Read what `to_table` made.
+def is_own(file: TableFile) -> bool:
+    """Return whether a table was made by `to_table`."""
+    return _KEY in file.metadata
+
+
+def own_columns(file: TableFile) -> tuple[Schema, list[str]]:
+    """Return the schema of a file of `to_table`, and its columns: ids, attributes, arguments, numbering.
+
+    Raises
+    ------
+    ModelFormatError
+        If the metadata are not as `to_table` writes them.
+    """
+    document = check_document(_parsed(file), format=FORMAT, version=VERSION, origin=file.origin)
+    schema = Schema.from_dict(document.get("schema"))
+    names = document.get("columns")
+    if names != _column_names(schema) or any(file.names.count(name) != 1 for name in names):
+        raise ModelFormatError(f"{file.origin} is damaged: its columns are not those of its schema")
+    return schema, names
+
+
+def read_own(file: TableFile) -> SceneArrays:
+    """Read what `to_table` made; the file may have further columns.
 
     Raises
     ------
     ModelFormatError
         If the metadata or the numbering of scenes and objects is not as `to_table` writes it.
     """
-    schema, names = _read_metadata(table, origin)
-    if len(table) == 0:
-        none = np.empty(0, dtype=np.int64)
-        arguments = np.empty((0, schema.n_parameters), dtype=np.int64)
-        return SceneArrays(schema, np.empty((0, schema.width)), none, none, none, arguments, none, none)
+    schema, names = own_columns(file)
     try:
+        table = file.read(names)
+        check_unchanged(file, table)
+        if len(table) == 0:
+            none = np.empty(0, dtype=np.int64)
+            arguments = np.empty((0, schema.n_parameters), dtype=np.int64)
+            return SceneArrays(schema, np.empty((0, schema.width)), none, none, none, arguments, none, none)
         return _read_rows(table, schema, names)
     except (InputError, pa.ArrowException) as error:
-        raise ModelFormatError(f"{origin} is damaged: {error}") from error
+        raise ModelFormatError(f"{file.origin} is damaged: {error}") from error
+
+
+def check_unchanged(file: TableFile, table: ArrowTable) -> None:
+    """Check columns that were read from a file of `Scenes.to_parquet` against their digests.
+
+    Raises
+    ------
+    ModelFormatError
+        If one was changed since.
+    """
+    document = _parsed(file)
+    digests = document.pop(_DIGESTS, None) if isinstance(document, dict) else None
+    if digests is None:
+        # Older versions wrote none.
+        return
+    known = digests if isinstance(digests, dict) else {}
+    checked = [name for name in table.column_names if name in known]
+    changed = [name for name in checked if known[name] != column_digest(table[name])]
+    if changed or known.get("") != document_digest(document):
+        what = f"column {changed[0]!r}" if changed else "its metadata"
+        raise ModelFormatError(
+            f"{file.origin} is damaged, or {what} was changed after Scenes.to_parquet wrote it: restore it, "
+            "or drop the metadata with table.replace_schema_metadata() if the change is intended"
+        )
 
 
 def _read_rows(table: ArrowTable, schema: Schema, names: list[str]) -> SceneArrays:
@@ -113,8 +177,7 @@ def _read_rows(table: ArrowTable, schema: Schema, names: list[str]) -> SceneArra
     for column, name in enumerate(names[2 + schema.width : -2]):
         found = bind_arguments(index, name, id_column(frame, name).take(pa.array(first)))
         arguments[:, column] = np.append(rows, -1)[found]
-    columns = (number_column(frame, name, "row {}".format) for name in names[2 : 2 + schema.width])
-    matrix = np.column_stack([column[is_object][seen] for column in columns])
+    matrix = number_columns(frame, names[2 : 2 + schema.width], "row {}".format)[is_object][seen]
     starts = np.cumsum(counts) - counts
     object_ids = codes.ids[codes.codes[seen]]
     return SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
@@ -145,17 +208,11 @@ def _numbering(column: ArrowArray) -> IntArray:
     return numbers
 
 
-def _read_metadata(table: ArrowTable, origin: str) -> tuple[Schema, list[str]]:
+def _parsed(file: TableFile) -> Any:  # noqa: ANN401 - not checked yet
     try:
-        parsed = json.loads(table.schema.metadata[_KEY])
+        return json.loads(file.metadata[_KEY])
     except (ValueError, RecursionError) as error:
-        raise ModelFormatError(f"{origin} has unreadable metadata: {error}") from error
-    document = check_document(parsed, format=FORMAT, version=VERSION, origin=origin)
-    schema = Schema.from_dict(document.get("schema"))
-    names = document.get("columns")
-    if names != _column_names(schema) or names != table.column_names:
-        raise ModelFormatError(f"{origin} is damaged: its columns are not those of its schema")
-    return schema, names
+        raise ModelFormatError(f"{file.origin} has unreadable metadata: {error}") from error
 
 
 def _column_names(schema: Schema) -> list[str]:
@@ -180,11 +237,10 @@ def _check_identifiable(parts: SceneArrays, scenes: IntArray) -> None:
 
 
 def _id_array(what: str, ids: IdArray) -> ArrowArray:
-    if ids.dtype != object:
-        return pa.array(ids)
-    if not all(isinstance(each, str) for each in ids):
-        raise InputError(f"{what} must be all integers or all strings to be written: convert them to strings")
-    return pa.array(ids, pa.large_string())
+    try:
+        return pa.array(ids, pa.large_string()) if ids.dtype == object else pa.array(ids)
+    except UnicodeEncodeError as error:
+        raise InputError(f"{what} hold {error.object!r}, which cannot be written as text") from error
 
 
 def _take(values: ArrowArray, rows: IntArray) -> ArrowArray:

@@ -1,55 +1,84 @@
-"""Tables from files: CSV and Parquet, told apart by suffix."""
+"""Tables from files: CSV and Parquet, distinguished by suffix."""
 
 from __future__ import annotations
 
-from os import PathLike
-from pathlib import Path
-
-import pyarrow as pa
-from pyarrow import csv, parquet
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
 
 from relforest.scenes.arrow import ArrowTable
+from relforest.scenes.csv_files import open_csv
+from relforest.scenes.dialect import Dialect
+from relforest.scenes.parquet_files import PARQUET_SUFFIXES, open_parquet, parquet_from_bytes
+from relforest.scenes.sources import Source, checked_path, is_stream, name_of, read_bytes
+from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
-__all__ = ["read_parquet", "read_table"]
+__all__ = ["open_table", "read_table"]
+
+_CSV_SUFFIXES: Final = (".csv", ".tsv")
+_COMPRESSED_SUFFIXES: Final = (".gz", ".bz2", ".zst")
 
 
-def read_table(path: str | PathLike[str]) -> ArrowTable:
-    """Read a CSV or Parquet file as an arrow table, which `Scenes.from_frame` accepts.
+def read_table(
+    source: Source,
+    *,
+    columns: Sequence[str] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    encoding: str | None = None,
+) -> ArrowTable:
+    r"""Read a CSV or Parquet file as an arrow table, which `Scenes.from_frame` accepts.
 
     Parameters
     ----------
-    path : path
-        Ends in ``.csv``, ``.parquet`` or ``.pq``. In a CSV file the first line names the columns, and empty
-        fields (and ``NA``, ``NaN``, ``null``) are nulls.
+    source : path or open file
+        A path ends in ``.csv``, ``.tsv``, ``.parquet`` or ``.pq``, perhaps followed by ``.gz``, ``.bz2`` or
+        ``.zst``, or is a folder of Parquet files. In a CSV file the first line names the columns. All of them
+        are read as text, exactly as it is written, and empty fields are nulls: what is a number is decided
+        by `Scenes.from_frame`, where ``NA``, ``NaN``, ``null`` and the like are undefined numbers.
+    columns : sequence of str, optional
+        The columns to read; by default all whose names are different.
+    separator, decimal, encoding : str, optional
+        How a CSV file is written. Default: the separator is a comma, semicolon, tab or bar, as the first line
+        says; the decimal mark is a point, or a comma where no number can be meant otherwise; the encoding is
+        UTF-8, or UTF-16 where the first bytes show it.
 
     Raises
     ------
     InputError
-        If the file does not exist, has another suffix, or is damaged.
+        If the file does not exist, has another suffix, lacks a column or is damaged, or an option has another
+        value.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix in (".parquet", ".pq"):
-        return read_parquet(path)
-    if suffix != ".csv":
-        raise InputError(f"{path} has the suffix {suffix!r}: only .csv, .parquet and .pq files can be read")
-    _check_file(path)
-    try:
-        return csv.read_csv(str(path), convert_options=csv.ConvertOptions(strings_can_be_null=True))
-    except (OSError, pa.ArrowException) as error:
-        raise InputError(f"{path} is not a readable CSV file: {error}") from error
+    if isinstance(columns, str):
+        raise InputError(f"columns must be a sequence of names, got a string: write [{columns!r}]")
+    file = open_table(source, Dialect(separator, decimal, encoding))
+    if columns is None:
+        columns = [name for name in file.names if file.names.count(name) == 1]
+    return file.read(columns)
 
 
-def read_parquet(path: str | PathLike[str]) -> ArrowTable:
-    """Read a Parquet file of any suffix as an arrow table; see `read_table`."""
-    _check_file(path)
-    try:
-        with parquet.ParquetFile(str(path)) as file:
-            return file.read()
-    except (OSError, pa.ArrowException) as error:
-        raise InputError(f"{path} is not a readable Parquet file: {error}") from error
-
-
-def _check_file(path: str | PathLike[str]) -> None:
-    if not Path(path).is_file():
-        raise InputError(f"there is no file {path}: check the path")
+def open_table(source: Source, dialect: Dialect) -> TableFile:
+    """Open a CSV or Parquet file; see `read_table`."""
+    if is_stream(source):
+        content = read_bytes(source)
+        is_parquet = content.startswith(b"PAR1")
+        origin = name_of(source)
+        return parquet_from_bytes(content, origin) if is_parquet else open_csv(content, origin, dialect)
+    path = checked_path(source)
+    if path.is_dir():
+        return open_parquet(path)
+    suffix, *rest = [each.lower() for each in reversed(path.suffixes)] or [""]
+    is_packed = suffix in _COMPRESSED_SUFFIXES
+    kind = (rest or [""])[0] if is_packed else suffix
+    if kind not in (*_CSV_SUFFIXES, *PARQUET_SUFFIXES):
+        known = ", ".join((*_CSV_SUFFIXES, *PARQUET_SUFFIXES))
+        raise InputError(
+            f"{source} has the suffix {suffix!r}: only {known} files can be read (also with "
+            f"{', '.join(_COMPRESSED_SUFFIXES)}), and folders of Parquet files"
+        )
+    if kind in PARQUET_SUFFIXES:
+        return parquet_from_bytes(read_bytes(path), str(path)) if is_packed else open_parquet(path)
+    if kind == ".tsv" and dialect.separator is None:
+        dialect = replace(dialect, separator="\t")
+    return open_csv(read_bytes(path), str(path), dialect)

@@ -1,0 +1,86 @@
+"""The rows of CSV text one by one, with their lines: for first lines, and for what is wrong with a file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from relforest.support.errors import InputError
+
+__all__ = ["CsvRow", "csv_rows", "start_of_line", "wrong_length"]
+
+
+class CsvRow(NamedTuple):
+    """A row that is not blank.
+
+    Attributes
+    ----------
+    line, last_line : int
+        The lines on which it begins and ends, from 1.
+    fields : list of str
+        Without quotes.
+    """
+
+    line: int
+    last_line: int
+    fields: list[str]
+
+
+def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = False) -> Iterator[CsvRow]:
+    """Yield the rows of CSV text.
+
+    Parameters
+    ----------
+    data : bytes
+        UTF-8; what is not valid becomes lone surrogates.
+    separator : str
+        What separates fields.
+    origin : str
+        The file, for messages.
+    skip_blanks : bool
+        Whether blanks after a separator are left out.
+
+    Raises
+    ------
+    InputError
+        If quotes are not closed, or a field is longer than 131072 characters.
+    """
+    # Unless strict, a quote that is not closed swallows the rest of the file in silence.
+    table = csv.reader(_lines(data), delimiter=separator, skipinitialspace=skip_blanks, strict=True)
+    line = 1
+    try:
+        for fields in table:
+            if fields:
+                yield CsvRow(line, table.line_num, fields)
+            line = table.line_num + 1
+    except csv.Error as error:
+        is_long = "limit" in str(error)
+        complaint = "a field is longer than 131072 characters" if is_long else "a quote is not closed"
+        raise InputError(
+            f"{origin}, line {line}: {complaint}: close each quote directly before a separator "
+            f"({separator!r}) or the end of the line, and write one within a quoted field twice"
+        ) from error
+
+
+def start_of_line(data: bytes, number: int) -> int:
+    """Return where in UTF-8 text the line of a number begins, from 1."""
+    return sum(
+        len(line.encode("utf-8", "surrogateescape"))
+        for line, _ in zip(_lines(data), range(number - 1), strict=False)
+    )
+
+
+def wrong_length(row: CsvRow, n_columns: int, separator: str) -> str | None:
+    """Return what is wrong with a row that has too few or too many fields."""
+    if len(row.fields) == n_columns:
+        return None
+    return (
+        f"there are {len(row.fields)} fields, but {n_columns} columns: complete the row, and quote fields "
+        f"that contain the separator {separator!r}"
+    )
+
+
+def _lines(data: bytes) -> Iterator[str]:
+    return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8", errors="surrogateescape", newline="")

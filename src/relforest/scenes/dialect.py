@@ -1,0 +1,91 @@
+"""How a text file writes tables: what separates fields, the decimal mark, the encoding."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, final
+
+from relforest.support.errors import InputError
+from relforest.support.options import one_of
+
+__all__ = ["ANY_DIALECT", "Dialect", "detected_separator"]
+
+_SEPARATORS: Final = (",", ";", "\t", "|")
+_SAMPLE_ROWS: Final = 20
+_SAMPLE_LENGTH: Final = 2**16
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Dialect:
+    r"""How a CSV file is written; what is None is found out from the file.
+
+    Parameters
+    ----------
+    separator : str, optional
+        One character, or ``\\t`` or ``tab``. Default: a comma, semicolon, tab or bar, as the first line says.
+    decimal : {".", ","}, optional
+        Decimal mark. Default: a point, or a comma where no number can be meant otherwise.
+    encoding : str, optional
+        Name of the encoding. Default: UTF-8, or UTF-16 where the first bytes show it.
+
+    Raises
+    ------
+    InputError
+        If an option has another value.
+    """
+
+    separator: str | None = None
+    decimal: str | None = None
+    encoding: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        if self.separator in {"\\t", "tab"}:
+            object.__setattr__(self, "separator", "\t")
+        mark = self.separator
+        if mark is not None and (
+            not isinstance(mark, str) or len(mark) != 1 or not mark.isascii() or mark in '"\0\r\n'
+        ):
+            raise InputError(f"separator must be one character, such as ',' or ';' or 'tab', got {mark!r}")
+        if self.decimal is not None:
+            one_of("decimal", self.decimal, (".", ","))
+            if self.decimal == mark:
+                raise InputError(f"separator and decimal are both {mark!r}: name two different characters")
+        if self.encoding is not None and not isinstance(self.encoding, str):
+            raise InputError(f"encoding must be the name of an encoding, got {self.encoding!r}")
+
+
+ANY_DIALECT: Final = Dialect()
+"""All is found out from the file."""
+
+
+def detected_separator(text: str) -> str:
+    """Return the character that separates the fields of a CSV file, given its first lines.
+
+    It is one that splits the first row that is not blank. Where several do, it is one that splits the next
+    rows into as many fields, a comma if possible.
+    """
+    sample = text[:_SAMPLE_LENGTH]
+    splitting = [mark for mark in _SEPARATORS if len(next(_rows(sample, mark), [])) > 1]
+    if len(splitting) > 1:
+        steady = [mark for mark in splitting if _is_steady(sample, mark)]
+        splitting = steady or splitting
+    return splitting[0] if splitting else ","
+
+
+def _is_steady(sample: str, mark: str) -> bool:
+    rows = [fields for fields, _ in zip(_rows(sample, mark), range(_SAMPLE_ROWS), strict=False)]
+    # The sample may end within its last row.
+    complete = rows if len(sample) < _SAMPLE_LENGTH else rows[:-1]
+    return len({len(fields) for fields in complete}) == 1
+
+
+def _rows(sample: str, mark: str) -> Iterator[list[str]]:
+    try:
+        yield from filter(None, csv.reader(io.StringIO(sample, newline=""), delimiter=mark))
+    except csv.Error:
+        return

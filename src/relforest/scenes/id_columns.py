@@ -1,0 +1,78 @@
+"""Columns of identifiers, read as they are written: two that differ there never become one."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from relforest.scenes.arrow import ArrowArray, is_temporal, is_text, iso_text
+from relforest.scenes.columns import Frame, arrow_column
+from relforest.support.errors import InputError
+
+__all__ = ["id_column"]
+
+# From here on, neighbouring integers are the same float.
+_FIRST_INEXACT: Final = {pa.float16(): 2**11, pa.float32(): 2**24, pa.float64(): 2**53}
+_REMEDY: Final = "convert the column to strings"
+
+
+def id_column(table: Frame, name: str) -> ArrowArray:
+    """Return a column of identifiers as an arrow array of int64 or large_string.
+
+    Strings keep their text; dates and times become text in ISO 8601, and numbers beyond 64 bits their digits.
+    Whole numbers that a null turned into floats (as pandas does) become integers again.
+
+    Raises
+    ------
+    InputError
+        If the values are of other types, or floats that are not whole or too large to be exact.
+    """
+    column = arrow_column(table, name)
+    if column is None:
+        raise InputError(f"column {name!r} mixes types, but ids are all integers or all strings: {_REMEDY}")
+    kind, types = column.type, pa.types
+    try:
+        if types.is_floating(kind):
+            return _whole(column, name)
+        if is_temporal(kind):
+            return iso_text(column)
+        if types.is_integer(kind) or types.is_null(kind) or types.is_decimal(kind):
+            return _integers(column)
+        if is_text(kind) or types.is_binary(kind) or types.is_large_binary(kind):
+            return pc.cast(column, pa.large_string())
+    except pa.ArrowException as error:
+        raise InputError(f"column {name!r} holds {kind} values that cannot be text: {_REMEDY}") from error
+    raise InputError(
+        f"column {name!r} holds {kind}, but ids are integers, strings, dates or times: {_REMEDY}"
+    )
+
+
+def _integers(column: ArrowArray) -> ArrowArray:
+    try:
+        return pc.cast(column, pa.int64())
+    except pa.ArrowInvalid:
+        return pc.cast(pc.cast(column, pa.string()), pa.large_string())
+
+
+def _whole(column: ArrowArray, name: str) -> ArrowArray:
+    """Return floats that are exact whole numbers as integers."""
+    values = pc.cast(column, pa.float64()).to_numpy(zero_copy_only=False)
+    first_inexact = _FIRST_INEXACT[column.type]
+    inexact = np.flatnonzero(np.abs(values) >= first_inexact)
+    if inexact.size:
+        raise InputError(
+            f"column {name!r} holds the float {values[inexact[0]]:.0f} in row {inexact[0]}, but floats are "
+            f"exact only below {first_inexact}, so digits of this id may be lost already: read the column as "
+            "integers (in pandas, dtype 'Int64') or strings"
+        )
+    broken = np.flatnonzero(values != np.floor(values))
+    broken = broken[~np.isnan(values[broken])]
+    if broken.size:
+        raise InputError(
+            f"column {name!r} holds {values[broken[0]]} in row {broken[0]}, but ids are whole numbers or "
+            f"strings: {_REMEDY}"
+        )
+    return pc.cast(column, pa.int64())

@@ -1,0 +1,186 @@
+"""Parquet files, or folders of them, as tables; nothing that a file says of itself is believed unchecked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from pyarrow import parquet
+
+from relforest.scenes.arrow import ArrowArray, ArrowTable, ArrowType, is_text
+from relforest.scenes.sources import checked_path
+from relforest.scenes.table_file import TableFile
+from relforest.support.errors import InputError, RelforestError
+
+__all__ = ["PARQUET_SUFFIXES", "open_parquet", "parquet_from_bytes"]
+
+PARQUET_SUFFIXES: Final = (".parquet", ".pq")
+
+_ALLOWED_BYTES: Final = 2**28
+_ALLOWED_RATIO: Final = 1000
+# All that pyarrow may raise where a file is damaged.
+_BROKEN: Final = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+    pa.ArrowException,
+)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _ParquetFile:
+    """A Parquet file, opened anew whenever something is read from it."""
+
+    content: str | bytes  # the path, or the bytes themselves
+    origin: str
+    size: int
+
+    @contextmanager
+    def opened(self, categories: Sequence[str] = ()) -> Iterator[Any]:
+        """Open the file; whatever goes wrong while it is open becomes an `InputError`."""
+        try:
+            raw = pa.OSFile(self.content) if isinstance(self.content, str) else pa.BufferReader(self.content)
+            with (
+                raw,
+                parquet.ParquetFile(
+                    raw, read_dictionary=list(categories), page_checksum_verification=True
+                ) as file,
+            ):
+                yield file
+        except RelforestError:
+            raise
+        except _BROKEN as error:
+            raise InputError(
+                f"{self.origin} is not a readable Parquet file: it is damaged, cut off or in another format"
+            ) from error
+
+    def table_file(self) -> TableFile:
+        """Return the file with its columns known."""
+        with self.opened() as file:
+            schema = file.schema_arrow
+            return TableFile(self.origin, tuple(schema.names), self.load, dict(schema.metadata or {}))
+
+    def load(self, chosen: Sequence[str]) -> ArrowTable:
+        """Return columns as they are stored, but categories as their values."""
+        with self.opened() as file:
+            texts = [name for name in chosen if _is_text(file.schema_arrow.field(name).type)]
+            self._check_size(8 * len(chosen) * _n_rows(file.metadata))
+        # A long string that is often repeated may unpack to any size, but not as a category.
+        with self.opened(texts) as file:
+            table = file.read(columns=list(chosen)).select(list(chosen))
+            self._check_size(sum(_text_size(chunk) for column in table.columns for chunk in column.chunks))
+            plain = pa.schema([pa.field(field.name, _plain_type(field.type)) for field in table.schema])
+            table = table.cast(plain.with_metadata(table.schema.metadata))
+            table.validate(full=True)
+        return table
+
+    def _check_size(self, n_bytes: int) -> None:
+        if n_bytes > max(_ALLOWED_BYTES, _ALLOWED_RATIO * self.size):
+            raise InputError(
+                f"{self.origin} unpacks to {n_bytes} bytes, more than {_ALLOWED_RATIO} times its size: it is "
+                "damaged or hostile"
+            )
+
+
+def open_parquet(path: str | PathLike[str]) -> TableFile:
+    """Open a Parquet file, or a folder of Parquet files with the same columns.
+
+    Raises
+    ------
+    InputError
+        If it is missing or damaged, or the files of a folder do not go together.
+    """
+    found = checked_path(path)
+    if found.is_dir():
+        return _open_folder(found)
+    if not found.is_file():
+        raise InputError(f"{path} cannot be read: it is not a regular file")
+    return _ParquetFile(str(found), str(path), found.stat().st_size).table_file()
+
+
+def parquet_from_bytes(content: bytes, origin: str) -> TableFile:
+    """Return the table in the content of a Parquet file; see `open_parquet`."""
+    return _ParquetFile(content, origin, len(content)).table_file()
+
+
+def _open_folder(folder: Path) -> TableFile:
+    """Open a folder as Spark and others write them; names that begin with a dot or a bar are not data."""
+    try:
+        paths = sorted(path for path in folder.iterdir() if path.name[0] not in "._")
+    except OSError as error:
+        raise InputError(f"{folder} cannot be read: {error.strerror}; check the path") from error
+    odd = next((path for path in paths if path.suffix.lower() not in PARQUET_SUFFIXES), None)
+    if odd is not None:
+        raise InputError(f"folder {folder} contains {odd.name!r}: only folders of Parquet files can be read")
+    if not paths:
+        raise InputError(f"folder {folder} contains no Parquet files")
+    files = [open_parquet(path) for path in paths]
+    for file in files:
+        differing = sorted(set(file.names) ^ set(files[0].names))
+        if differing:
+            raise InputError(
+                f"{file.origin} and {files[0].origin} differ in the column {differing[0]!r}: all files of a "
+                "folder must have the same columns"
+            )
+        if b"relforest" in file.metadata:
+            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one by one")
+
+    def load(chosen: Sequence[str]) -> ArrowTable:
+        tables = [file.read(chosen) for file in files]
+        for name in chosen:
+            _check_types(name, {file.origin: table for file, table in zip(files, tables, strict=True)})
+        return pa.concat_tables(tables, promote_options="default")
+
+    return TableFile(str(folder), files[0].names, load)
+
+
+def _check_types(name: str, tables: Mapping[str, ArrowTable]) -> None:
+    """Check that a column has the same type in all files, but for those that have only nulls there."""
+    kinds = {origin: table.schema.field(name).type for origin, table in tables.items()}
+    known = [(origin, kind) for origin, kind in kinds.items() if not pa.types.is_null(kind)]
+    odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
+    if odd:
+        raise InputError(
+            f"column {name!r} holds {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: all "
+            "files of a folder must have the same types"
+        )
+
+
+def _is_text(kind: ArrowType) -> bool:
+    return is_text(kind) or pa.types.is_binary(kind) or pa.types.is_large_binary(kind)
+
+
+def _n_rows(metadata: Any) -> int:  # noqa: ANN401 - pyarrow ships no types
+    """Return how many rows the file claims to hold, in whichever of its two places says more."""
+    # What it says of columns is not asked: pyarrow ends the process where that is damaged.
+    groups = [metadata.row_group(number).num_rows for number in range(metadata.num_row_groups)]
+    return int(max(metadata.num_rows, sum(groups)))
+
+
+def _text_size(chunk: ArrowArray) -> int:
+    """Return how many bytes categories take as text."""
+    if not pa.types.is_dictionary(chunk.type) or not _is_text(chunk.type.value_type):
+        return 0
+    lengths = pc.fill_null(pc.binary_length(chunk.dictionary), 0).to_numpy(zero_copy_only=False)
+    chunk.validate(full=True)
+    codes = chunk.indices.drop_null().to_numpy(zero_copy_only=False)
+    return int(lengths[codes].sum(dtype=np.int64)) if len(lengths) else 0
+
+
+def _plain_type(kind: ArrowType) -> ArrowType:
+    if pa.types.is_dictionary(kind):
+        kind = kind.value_type
+    return pa.large_string() if is_text(kind) else pa.large_binary() if pa.types.is_binary(kind) else kind
