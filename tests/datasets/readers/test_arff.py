@@ -198,3 +198,33 @@ def test_hostile_files_are_read_or_refused(write: Write, data: st.DataObject) ->
         assert str(path) in str(error)  # noqa: PT017 - both outcomes are right
     else:
         assert all(np.isfinite(bag).all() for bag in found.bags)
+
+
+def test_messages_say_what_they_mean(write: Write) -> None:
+    with pytest.raises(InputError) as error:
+        read_arff(write(HEAD.replace("f numeric", "f unknown")))
+    assert str(error.value).endswith(
+        "attribute 'f' has the type 'unknown': it must be numeric, string, relational or a list of values in "
+        "braces, such as {a,b}"
+    )
+
+
+def test_other_encodings_and_open_files_are_read(tmp_path: Path) -> None:
+    text = HEAD.replace("{a,b}", "{é}") + 'é,"1,x",1\n'
+    (tmp_path / "bags.arff").write_bytes(text.encode("latin-1"))
+    assert read_arff(tmp_path / "bags.arff", encoding="latin-1").bag_ids.tolist() == ["é"]
+    with (tmp_path / "bags.arff").open("rb") as file:
+        assert read_arff(file, encoding="latin-1").bag_ids.tolist() == ["é"]
+    with pytest.raises(InputError, match=r"is not UTF-8 text \(byte 0xe9 in line 2\): pass its encoding"):
+        read_arff(tmp_path / "bags.arff")
+    with pytest.raises(InputError, match="is a folder"):
+        read_arff(tmp_path)
+
+
+def test_names_of_bags_are_read_as_they_are_written(write: Write) -> None:
+    head = HEAD.replace("id {a,b}", "id numeric")
+    assert read_arff(write(head + '01,"1,x",1\n1,"1,x",0\n1e0,"1,x",1\n')).bag_ids.tolist() == [
+        "01",
+        "1",
+        "1e0",
+    ]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -85,7 +86,7 @@ def test_what_is_wrong_and_where_is_said(write: Write, text: str, message: str) 
 def test_text_that_is_not_utf8_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "clean.data"
     path.write_bytes("a,a1,1,2,1.\nü,a1,1,2,1.\n".encode("latin-1"))
-    with pytest.raises(InputError, match="line 2: this is not UTF-8 text; convert the file first"):
+    with pytest.raises(InputError, match=r"is not UTF-8 text \(byte 0xfc in line 2\): pass its encoding"):
         read_c45(path)
 
 
@@ -120,3 +121,17 @@ def test_hostile_files_are_read_or_refused(write: Write, data: st.DataObject) ->
         assert str(path) in str(error)  # noqa: PT017 - both outcomes are right
     else:
         assert all(np.isfinite(bag).all() for bag in found.bags)
+
+
+def test_other_encodings_and_open_files_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "clean.data"
+    path.write_bytes("ü,a1,1,2,1.\n".encode("latin-1"))
+    assert read_c45(path, encoding="latin-1").bag_ids.tolist() == ["ü"]
+    with path.open(encoding="latin-1") as file:
+        assert read_c45(file).bag_ids.tolist() == ["ü"]
+    with pytest.raises(InputError, match=r"the open StringIO, line 1: '\?' is no finite number"):
+        read_c45(io.StringIO("a,a1,?,1.\n"))
+
+
+def test_names_of_bags_are_read_as_they_are_written(write: Write) -> None:
+    assert read_c45(write("01,a,1,1.\n1,a,1,0.\n1e0,a,1,1.\n")).bag_ids.tolist() == ["01", "1", "1e0"]

@@ -6,7 +6,6 @@ attributes and says not where a file is wrong.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -21,9 +20,9 @@ from relforest.datasets.readers.fields import (
     at_line,
     number,
     positive_labels,
-    read_lines,
     split_lines,
 )
+from relforest.scenes.sources import Source, name_of, read_text
 from relforest.support.errors import InputError
 
 __all__ = ["BagRelation", "read_arff", "read_relation"]
@@ -49,16 +48,18 @@ class BagRelation:
     label: Attribute
 
 
-def read_arff(path: str | os.PathLike[str], *, positive: str | None = None) -> BagSet:
+def read_arff(path: Source, *, positive: str | None = None, encoding: str | None = None) -> BagSet:
     r"""Read bags from a relational ARFF file, Weka's format of multi-instance data.
 
     Parameters
     ----------
-    path : path
+    path : path or open file
         The file; it may be compressed with gzip.
     positive : str, optional
         The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
         which the second is positive.
+    encoding : str, optional
+        Default: UTF-8, or UTF-16 where the first bytes show it.
 
     Returns
     -------
@@ -89,35 +90,42 @@ def read_arff(path: str | os.PathLike[str], *, positive: str | None = None) -> B
         a,"1.5,x\n2,y",1
         b,"0.5,x",0
     """
-    return read_relation(path, positive=positive)[1]
+    return read_relation(path, positive=positive, encoding=encoding)[1]
 
 
 def read_relation(
-    path: str | os.PathLike[str], *, positive: str | None = None, usual: str | None = None
+    path: Source,
+    *,
+    positive: str | None = None,
+    usual: str | None = None,
+    encoding: str | None = None,
 ) -> tuple[BagRelation, BagSet]:
     """Return what the file declares beside the bags; see `read_arff`.
 
     Parameters
     ----------
-    path : path
+    path : path or open file
         The file.
     positive : str or None
         The label of positive bags.
     usual : str or None
         The label of positive bags in files that have it, if ``positive`` is not given.
+    encoding : str or None
+        Of the file.
 
     Raises
     ------
     InputError
         As `read_arff` says.
     """
-    lines = enumerate(read_lines(path), start=1)
-    relation = _read_head(lines, path)
+    origin = name_of(path)
+    lines = enumerate(split_lines(read_text(path, encoding)), start=1)
+    relation = _read_head(lines, origin)
     ids: dict[str, int] = {}
     labels: list[str] = []
     bags: list[NDArray[np.float64]] = []
     for line_number, line in lines:
-        with at_line(path, line_number):
+        with at_line(origin, line_number):
             fields = split_fields(line)
             if not fields:
                 continue
@@ -136,19 +144,19 @@ def read_relation(
             labels.append(label)
             bags.append(_points(instances, relation.features))
     if not bags:
-        raise InputError(f"{path} holds no bags below @data")
+        raise InputError(f"{origin} holds no bags below @data")
     if positive is None and usual in labels:
         positive = usual
-    is_positive = positive_labels(labels, positive, str(path))
+    is_positive = positive_labels(labels, positive, origin)
     return relation, BagSet(bags, is_positive, np.array(list(ids), dtype=object))
 
 
-def _read_head(lines: Iterator[tuple[int, str]], path: str | os.PathLike[str]) -> BagRelation:
+def _read_head(lines: Iterator[tuple[int, str]], origin: str) -> BagRelation:
     """Read up to the line ``@data``."""
     outer: list[Attribute] = []
     relational: Attribute | None = None
     for line_number, line in lines:
-        with at_line(path, line_number):
+        with at_line(origin, line_number):
             keyword, rest = split_statement(line)
             if keyword == "@data" and relational is None:
                 return _bag_relation(outer)
@@ -168,7 +176,7 @@ def _read_head(lines: Iterator[tuple[int, str]], path: str | os.PathLike[str]) -
                     f"{keyword!r} cannot stand here: the head has lines @relation, @attribute, @end (which "
                     "closes a relational attribute) and @data"
                 )
-    raise InputError(f"{path} has no line @data: it is no ARFF file, or cut off")
+    raise InputError(f"{origin} has no line @data: it is no ARFF file, or cut off")
 
 
 def _bag_relation(declared: list[Attribute]) -> BagRelation:

@@ -82,8 +82,8 @@ def parse_attribute(text: str) -> Attribute:
     word = split_statement(kind)[0]
     if word not in _KINDS:
         raise FieldError(
-            f"attribute {name!r} has the type {word!r}: it must be numeric, string, relational or {{a list "
-            "of values}}"
+            f"attribute {name!r} has the type {word!r}: it must be numeric, string, relational or a list of "
+            "values in braces, such as {a,b}"
         )
     return Attribute(name, cast("Kind", _KINDS[word]))
 

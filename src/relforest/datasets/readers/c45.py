@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 
 from relforest.datasets.bag_set import BagSet
-from relforest.datasets.readers.fields import FieldError, at_line, number, read_lines
+from relforest.datasets.readers.fields import FieldError, at_line, number, split_lines
 from relforest.datasets.readers.flat_rows import Row, gather
+from relforest.scenes.sources import Source, name_of, read_text
 
 __all__ = ["read_c45"]
 
 
 def read_c45(
-    path: str | os.PathLike[str], *, instance_ids: bool | None = None, positive: str | None = None
+    path: Source,
+    *,
+    instance_ids: bool | None = None,
+    positive: str | None = None,
+    encoding: str | None = None,
 ) -> BagSet:
     """Read bags from a C4.5 ``.data`` file such as ``clean1.data`` of Musk.
 
     Parameters
     ----------
-    path : path
+    path : path or open file
         The ``.data`` file; a ``.names`` file beside it is not needed. It may be compressed with gzip.
     instance_ids : bool, optional
         Whether the second field is a name of the instance (Musk: of the conformation), which is not kept, or
@@ -27,6 +31,8 @@ def read_c45(
     positive : str, optional
         The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
         which the second is positive.
+    encoding : str, optional
+        Default: UTF-8, or UTF-16 where the first bytes show it.
 
     Returns
     -------
@@ -46,18 +52,19 @@ def read_c45(
     features, all of them numbers, and the label, with or without a dot at its end. From ``|`` on
     a line is a comment.
     """
-    return gather(_rows(path, instance_ids=instance_ids), positive, str(path))
+    origin = name_of(path)
+    return gather(_rows(read_text(path, encoding), origin, instance_ids=instance_ids), positive, origin)
 
 
-def _rows(path: str | os.PathLike[str], *, instance_ids: bool | None) -> Iterator[Row]:
+def _rows(text: str, origin: str, *, instance_ids: bool | None) -> Iterator[Row]:
     n_names = 1 if instance_ids is False else 2
     expected: int | None = None
-    for line_number, line in enumerate(read_lines(path), start=1):
+    for line_number, line in enumerate(split_lines(text), start=1):
         fields = [field.strip() for field in line.partition("|")[0].split(",")]
         if fields == [""]:
             continue
         features = fields[n_names:-1]
-        with at_line(path, line_number):
+        with at_line(origin, line_number):
             _check_length(features, expected, n_names)
             _check_second(fields[1], instance_ids=instance_ids)
             point = [number(feature) for feature in features]

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import os
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import final
+
+import pyarrow as pa
 
 from relforest.datasets.bag_set import BagSet
 from relforest.datasets.readers.fields import FieldError, at_line, number
 from relforest.datasets.readers.flat_rows import Row, gather
+from relforest.scenes.csv_rows import CsvRow, csv_rows, wrong_length
+from relforest.scenes.dialect import ANY_DIALECT, Dialect, detected_separator
+from relforest.scenes.number_columns import allow_only_commas
+from relforest.scenes.sources import Source, decoded, encoding_hint, is_broken, name_of, read_bytes, utf8
 from relforest.support.errors import InputError
-from relforest.support.files import read_input, unpacked
 
 __all__ = ["Columns", "parse_csv", "read_csv"]
 
@@ -38,18 +40,21 @@ class Columns:
 
 
 def read_csv(
-    path: str | os.PathLike[str],
+    path: Source,
     *,
     bag_id: str = "bag_id",
     label: str = "bag_label",
     features: Sequence[str] | None = None,
     positive: str | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    encoding: str | None = None,
 ) -> BagSet:
     """Read bags from a CSV file with one row per instance.
 
     Parameters
     ----------
-    path : path
+    path : path or open file
         The file; its first line names the columns. It may be compressed with gzip.
     bag_id : str
         The column that says which bag an instance belongs to; its values are kept as strings.
@@ -61,6 +66,10 @@ def read_csv(
     positive : str, optional
         The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
         which the second is positive.
+    separator, decimal, encoding : str, optional
+        How the file is written. Default: the separator is a comma, semicolon, tab or bar, as the first line
+        says; the decimal mark is a point, or a comma where no number can be meant otherwise; the encoding is
+        UTF-8, or UTF-16 where the first bytes show it.
 
     Returns
     -------
@@ -77,10 +86,18 @@ def read_csv(
     if isinstance(features, str):
         raise InputError(f"features must be a sequence of column names, got the string {features!r}")
     columns = Columns(bag_id, label, None if features is None else tuple(features))
-    return parse_csv(unpacked(read_input(path), str(path)), columns, origin=str(path), positive=positive)
+    dialect = Dialect(separator, decimal, encoding)
+    return parse_csv(read_bytes(path), columns, origin=name_of(path), positive=positive, dialect=dialect)
 
 
-def parse_csv(data: bytes, columns: Columns, *, origin: str, positive: str | None = None) -> BagSet:
+def parse_csv(
+    data: bytes,
+    columns: Columns,
+    *,
+    origin: str,
+    positive: str | None = None,
+    dialect: Dialect = ANY_DIALECT,
+) -> BagSet:
     """Return the bags of a CSV table in memory; see `read_csv`.
 
     Parameters
@@ -93,52 +110,47 @@ def parse_csv(data: bytes, columns: Columns, *, origin: str, positive: str | Non
         The file, for messages.
     positive : str or None
         The label of positive bags.
+    dialect : Dialect
+        How the file is written.
 
     Raises
     ------
     InputError
         As `read_csv` says.
     """
-    return gather(_rows(data, columns, origin), positive, origin)
+    data = utf8(data, dialect.encoding, origin)
+    if dialect.separator is None:
+        start = data[: 2**16].decode("utf-8", "surrogateescape")
+        dialect = replace(dialect, separator=detected_separator(start))
+    return gather(_rows(data, columns, origin, dialect), positive, origin)
 
 
-def _rows(data: bytes, columns: Columns, origin: str) -> Iterator[Row]:
-    records = _records(data, origin)
-    _, head = next(records, (1, []))
-    names = [name.strip() for name in head]
+def _rows(data: bytes, columns: Columns, origin: str, dialect: Dialect) -> Iterator[Row]:
+    separator = dialect.separator or ","
+    records: Iterable[CsvRow] = csv_rows(data, separator, origin, skip_blanks=True)
+    head = next(iter(records), CsvRow(1, 1, []))
+    names = [name.strip() for name in head.fields]
     features = _feature_columns(names, columns, origin)
-    place_of = {name: place for place, name in enumerate(names)}
-    bag, label = place_of[columns.bag_id], place_of[columns.label]
-    places = [place_of[name] for name in features]
-    for line, fields in records:
-        with at_line(origin, line):
-            if len(fields) != len(names):
-                raise FieldError(
-                    f"there are {len(fields)} fields, but {len(names)} columns: complete the row, and quote "
-                    "fields that hold commas"
-                )
-            point = _point([fields[place] for place in places], features)
-        yield Row(line, fields[bag].strip(), fields[label].strip(), point)
-
-
-def _records(data: bytes, origin: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the fields of each row that is not blank, after the number of the line on which it begins."""
-    text = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
-    # Unless strict, a quote that is not closed swallows the rest of the file in silence.
-    table = csv.reader(text, skipinitialspace=True, strict=True)
-    line = 1
-    try:
-        for fields in table:
-            if fields:
-                yield line, fields
-            line = table.line_num + 1
-    except UnicodeDecodeError as error:
-        raise InputError(f"{origin} is not UTF-8 text: convert the file first") from error
-    except csv.Error as error:
-        raise InputError(
-            f"{origin}, line {line}, cannot be read as CSV: {error}; close each quote before a comma or the "
-            "end of the line, and write one within a quoted field twice"
-        ) from error
+    chosen = (columns.bag_id, columns.label, *features)
+    places = [names.index(name) for name in chosen]
+    decimal = dialect.decimal
+    if decimal is None and (separator != "," or b'"' in data):
+        records = list(records)
+        decimal = _decimal_mark(records, places[2:])
+    for record in records:
+        with at_line(origin, record.line):
+            complaint = wrong_length(record, len(names), separator)
+            if complaint is not None:
+                raise FieldError(complaint)
+            bag, label, *fields = (record.fields[place].strip() for place in places)
+            if not (bag + label).isprintable():
+                _check_encoding(bag + label, data, origin)
+            try:
+                point = _point(fields, features, decimal or ".")
+            except FieldError:
+                _check_encoding("".join(fields), data, origin)
+                raise
+        yield Row(record.line, bag, label, point)
 
 
 def _feature_columns(names: Sequence[str], columns: Columns, origin: str) -> tuple[str, ...]:
@@ -150,14 +162,15 @@ def _feature_columns(names: Sequence[str], columns: Columns, origin: str) -> tup
             f"{origin}: column {names.index('') + 1} has no name, so it looks like a row index: write the "
             "file with index=False, name the column, or choose others as features"
         )
-    repeated = [name for name, count in Counter(names).items() if count > 1]
-    if repeated:
-        raise InputError(f"{origin} has two columns {repeated[0]!r}: rename one of them")
     keys = {columns.bag_id: "bag_id", columns.label: "label"}
     features = columns.features
     if features is None:
-        features = tuple(name for name in names if name not in keys)
-    _check_chosen((columns.bag_id, columns.label, *features), names, keys, origin)
+        features = tuple(dict.fromkeys(name for name in names if name not in keys))
+    chosen = (columns.bag_id, columns.label, *features)
+    _check_chosen(chosen, names, keys, origin)
+    repeated = [name for name in chosen if names.count(name) > 1]
+    if repeated:
+        raise InputError(f"{origin} has two columns {repeated[0]!r}: rename one of them")
     if not features:
         raise InputError(
             f"{origin} has no columns of features chosen beside {columns.bag_id!r} and {columns.label!r}"
@@ -178,14 +191,29 @@ def _check_chosen(chosen: Sequence[str], names: Sequence[str], keys: Mapping[str
             option = keys.get(name, "features")
             raise InputError(
                 f"{origin} has no column {name!r}: it has {listed}; name one of them as {option}"
+                f"{encoding_hint(names)}"
             )
 
 
-def _point(fields: Sequence[str], names: Sequence[str]) -> list[float]:
+def _check_encoding(text: str, data: bytes, origin: str) -> None:
+    """Say that a file is not UTF-8 if that is what is wrong with a part of it that is used."""
+    if is_broken(text):
+        decoded(data, "utf-8", origin)
+
+
+def _decimal_mark(records: Sequence[CsvRow], places: Sequence[int]) -> str:
+    """Return the decimal mark of the features, a comma where nothing else can be meant."""
+    texts = [fields[place] for *_, fields in records for place in places if place < len(fields)]
+    if not any("," in text for text in texts):
+        return "."
+    return "," if allow_only_commas([pa.array(map(str.strip, texts), pa.large_string())]) else "."
+
+
+def _point(fields: Sequence[str], names: Sequence[str], decimal: str) -> list[float]:
     point = []
     for field, name in zip(fields, names, strict=True):
         try:
-            point.append(number(field))
+            point.append(number(field, decimal))
         except FieldError as error:
             raise FieldError(f"column {name!r}: {error}") from error
     return point

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Final, final
@@ -12,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
-from relforest.support.files import read_input, unpacked
 
-__all__ = ["FieldError", "at_line", "number", "positive_labels", "read_lines", "split_lines"]
+__all__ = ["FieldError", "at_line", "number", "positive_labels", "split_lines"]
 
 _PLAIN: Final = {
     "1": 1,
@@ -35,12 +33,12 @@ class FieldError(InputError):
 
 
 @contextmanager
-def at_line(path: str | os.PathLike[str], line_number: int) -> Iterator[None]:
+def at_line(origin: str, line_number: int) -> Iterator[None]:
     """Say where it is what a `FieldError` complains of."""
     try:
         yield
     except FieldError as error:
-        raise InputError(f"{path}, line {line_number}: {error}") from error
+        raise InputError(f"{origin}, line {line_number}: {error}") from error
 
 
 def split_lines(text: str) -> list[str]:
@@ -48,24 +46,7 @@ def split_lines(text: str) -> list[str]:
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
-def read_lines(path: str | os.PathLike[str]) -> list[str]:
-    """Return the lines of a text file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or unpacked, or is not UTF-8.
-    """
-    data = unpacked(read_input(path), str(path))
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}, line {line}: this is not UTF-8 text; convert the file first") from error
-    return split_lines(text)
-
-
-def number(text: str) -> float:
+def number(text: str, decimal: str = ".") -> float:
     """Return the number that a field holds.
 
     Raises
@@ -73,16 +54,19 @@ def number(text: str) -> float:
     FieldError
         If it holds none, or one that is not finite.
     """
+    # Python would read 1_0 as 10; with a decimal comma, a point could only divide groups of digits.
+    is_plain = "_" not in text and (decimal == "." or "." not in text)
     try:
-        # Python would read 1_0 as 10.
-        value = math.nan if "_" in text else float(text)
+        value = float(text.replace(decimal, ".")) if is_plain else math.nan
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise FieldError(
-            f"{text!r} is no finite number: correct it, or leave the instance out if the value is missing"
-        )
-    return value
+    if math.isfinite(value):
+        return value
+    if "," in text and decimal == ".":
+        raise FieldError(f"{text!r} is no finite number: if the comma is the decimal mark, pass decimal=','")
+    raise FieldError(
+        f"{text!r} is no finite number: correct it, or leave the instance out if the value is missing"
+    )
 
 
 def positive_labels(labels: Sequence[str], positive: str | None, origin: str) -> NDArray[np.bool_]:
