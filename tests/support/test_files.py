@@ -5,8 +5,12 @@ import io
 import json
 import math
 import os
+import resource
 import stat
+import warnings
 import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +25,8 @@ from relforest.support.errors import InputError, ModelFormatError
 PACKED = gzip.compress(b"a,b", mtime=0)
 HEAD = {"format": "relforest-tree", "version": 1}
 
-scalars = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)
-texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+scalars = st.none() | st.booleans() | st.integers(-(10**99), 10**99) | st.floats(-1e100, 1e100)
+texts = st.text(st.characters(exclude_categories=["Cs", "Cc", "Cn"]), max_size=8)
 documents = st.dictionaries(
     texts,
     st.recursive(
@@ -46,6 +50,77 @@ def test_written_bytes_are_read_back_and_replace_what_was_there(tmp_path: Path) 
 
     assert target.read_bytes() == b"new"
     assert names_in(target.parent) == ["model.bin"]
+
+
+@contextmanager
+def at_most(size: int) -> Iterator[None]:
+    """Let no file grow beyond a size, as on a disk that is almost full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_is_reported_with_the_name_of_the_file(tmp_path: Path) -> None:
+    target = tmp_path / "model.bin"
+    files.write_bytes(target, b"old")
+
+    with at_most(1000), pytest.raises(OSError, match="File too large") as caught:
+        files.write_bytes(target, bytes(2000))
+
+    assert caught.value.filename == str(target)
+    assert target.read_bytes() == b"old"
+    assert names_in(tmp_path) == ["model.bin"]
+
+
+def test_a_line_for_which_there_is_no_room_is_not_begun(tmp_path: Path) -> None:
+    log = tmp_path / "timings.jsonl"
+    files.append_line(log, "first")
+
+    for size in (6, 10):
+        with at_most(size), pytest.raises(OSError, match=r"No space|too large") as caught:
+            files.append_line(log, "second and longer")
+        assert caught.value.filename == str(log)
+        assert log.read_text() == "first\n"
+
+
+@pytest.mark.parametrize("write", [files.write_text, files.append_line])
+def test_a_path_that_cannot_be_written_is_named(
+    tmp_path: Path, write: Callable[[str | Path, str], None]
+) -> None:
+    (tmp_path / "file").write_text("here")
+    long = "x" * 300
+
+    with pytest.raises(NotADirectoryError) as through:
+        write(tmp_path / "file" / "model.json", "text")
+    with pytest.raises(OSError, match="too long") as too_long:
+        write(tmp_path / long, "text")
+    with pytest.raises(IsADirectoryError) as folder:
+        write(tmp_path, "text")
+
+    assert through.value.filename == str(tmp_path / "file")
+    assert too_long.value.filename == str(tmp_path / long)
+    assert folder.value.filename == str(tmp_path)
+    for path, complaint in (("", "the path to write to is empty"), (tmp_path / "a\0b", "embedded null")):
+        with pytest.raises(InputError, match=complaint):
+            write(path, "text")
+    assert names_in(tmp_path) == ["file"]
+
+
+def test_the_longest_name_that_a_file_system_allows_can_be_written(tmp_path: Path) -> None:
+    for name in ("x" * 255, "ü" * 127):
+        files.write_text(tmp_path / name, "text")
+
+    assert len(names_in(tmp_path)) == 2
+
+
+def test_text_that_utf_8_cannot_express_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"note cannot be written as UTF-8: .* surrogates not allowed"):
+        files.write_text(tmp_path / "note", "a\ud800")
+
+    assert names_in(tmp_path) == []
 
 
 @pytest.mark.parametrize("fault", ["os.fsync", "pathlib.Path.replace"])
@@ -189,6 +264,40 @@ def test_hostile_json_is_refused_with_its_path(tmp_path: Path, content: bytes, c
         read(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (
+            "[" + "0," * 4_000_000 + "0]",
+            "is too large: a document may hold 4000000 values and 500000 objects",
+        ),
+        ("[" + "{}," * 500_000 + "0]", "is too large"),
+        ("1" + "0" * 400, r"holds 10+\.\.\.0+, a number beyond 1e\+100"),
+        ("-1e101", "holds -1e\\+101, a number beyond 1e\\+100"),
+        ('"' + "x" * 10_001 + '"', "holds a text of 10001 characters: at most 10000 are allowed"),
+        ('"a\\u0000b"', r"holds the character U\+0000 in 'a\\x00b'"),
+        ('["\\u001b[31m"]', r"holds the character U\+001B"),
+        ('"\\ud800"', r"holds the character U\+D800"),
+        ('{"\\u0007": 1}', r"holds the character U\+0007"),
+    ],
+    ids=range(9),
+)
+def test_values_that_could_do_harm_later_are_refused(tmp_path: Path, text: str, complaint: str) -> None:
+    path = tmp_path / "hostile.json"
+    path.write_text('{"format": "relforest-tree", "version": 1, "x": ' + text + "}")
+
+    with pytest.raises(ModelFormatError, match=rf"hostile\.json {complaint}"):
+        read(path)
+
+
+@pytest.mark.parametrize("value", ["a\0b", "\ud800", 1e101, 10**101, {1: 2}, object(), "x" * 10_001])
+def test_what_could_not_be_read_is_not_written(tmp_path: Path, value: object) -> None:
+    with pytest.raises(InputError, match=r"model\.json cannot be written as JSON: the document (holds|has) "):
+        files.write_json(tmp_path / "model.json", {"x": value})
+
+    assert names_in(tmp_path) == []
+
+
 def test_json_nested_as_deep_as_allowed_is_read(tmp_path: Path) -> None:
     path = tmp_path / "deep.json"
     path.write_text(nested(64))
@@ -255,15 +364,16 @@ def arrays() -> dict[str, np.ndarray[Any, Any]]:
         "weights": np.array([[1.5, np.nan], [-np.inf, 0.0]]),
         "counts": np.arange(3, dtype=np.int64),
         "none": np.empty((0, 4)),
-        "names": np.array(["a", "ü"]),
+        "across": np.arange(6.0, dtype=np.float32).reshape(2, 3).T,
+        "alone": np.array(7),
     }
 
 
 def test_arrays_written_are_arrays_read_in_the_order_asked(tmp_path: Path) -> None:
     files.write_npz(tmp_path / "weights.npz", arrays())
-    read_back = files.read_npz(tmp_path / "weights.npz", ["names", "none", "counts", "weights"])
+    read_back = files.read_npz(tmp_path / "weights.npz", ["alone", "across", "none", "counts", "weights"])
 
-    assert list(read_back) == ["names", "none", "counts", "weights"]
+    assert list(read_back) == ["alone", "across", "none", "counts", "weights"]
     for name, array in arrays().items():
         np.testing.assert_array_equal(read_back[name], array, strict=True)
 
@@ -279,9 +389,14 @@ def test_equal_arrays_give_equal_bytes_that_numpy_reads(tmp_path: Path) -> None:
         np.testing.assert_array_equal(loaded["counts"], [0, 1, 2])
 
 
-def test_arrays_of_objects_are_never_written(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"array 'ids' cannot be written to .*: it holds Python objects"):
-        files.write_npz(tmp_path / "weights.npz", {"ids": np.array([None], dtype=object)})
+def test_only_arrays_of_numbers_and_booleans_are_written(tmp_path: Path) -> None:
+    for values, held in (
+        (np.array([None], dtype=object), "Python objects"),
+        (np.array(["a"]), "values of type <U1"),
+        (np.array(["2000-01-01"], dtype="M8[D]"), r"values of type datetime64\[D\]"),
+    ):
+        with pytest.raises(InputError, match=f"array 'ids' cannot be written to .*: it holds {held}"):
+            files.write_npz(tmp_path / "weights.npz", {"ids": values})
 
     assert names_in(tmp_path) == []
 
@@ -289,7 +404,7 @@ def test_arrays_of_objects_are_never_written(tmp_path: Path) -> None:
 def test_a_missing_array_is_named(tmp_path: Path) -> None:
     files.write_npz(tmp_path / "weights.npz", arrays())
 
-    with pytest.raises(ModelFormatError, match=r"weights\.npz holds no array 'bias'"):
+    with pytest.raises(ModelFormatError, match=r"array 'bias' is missing from .*weights\.npz"):
         files.read_npz(tmp_path / "weights.npz", ["counts", "bias"])
 
 
@@ -301,10 +416,12 @@ def test_optional_arrays_may_be_missing(tmp_path: Path) -> None:
     assert list(read_back) == ["counts"]
 
 
-def archive_of(member: bytes) -> bytes:
+def archive_of(member: bytes, method: int = zipfile.ZIP_DEFLATED, *, copies: int = 1) -> bytes:
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("counts.npy", member)
+    with warnings.catch_warnings(), zipfile.ZipFile(buffer, "w", method) as archive:
+        warnings.simplefilter("ignore")
+        for _ in range(copies):
+            archive.writestr("counts.npy", member)
     return buffer.getvalue()
 
 
@@ -315,6 +432,7 @@ def npy(array: np.ndarray[Any, Any], *, allow_pickle: bool = False) -> bytes:
 
 
 COUNTS = npy(np.arange(3))
+DAMAGED = "array 'counts' of .* is damaged: it does not begin as an array of numbers does"
 
 
 @pytest.mark.parametrize(
@@ -324,16 +442,32 @@ COUNTS = npy(np.arange(3))
         (b"not an archive", "is not a readable archive of arrays"),
         (COUNTS, "is not a readable archive of arrays"),
         (archive_of(COUNTS)[:-30], "is not a readable archive of arrays"),
-        (archive_of(COUNTS.replace(b"NUMPY", b"NUMPi")), "is not a readable archive of arrays"),
-        (archive_of(b""), "is not a readable archive of arrays"),
-        (archive_of(COUNTS[:-1]), "is not a readable archive of arrays"),
-        (archive_of(COUNTS + b"x"), "array 'counts' of .* is damaged: bytes follow its end"),
-        (archive_of(COUNTS.replace(b"(3,)", b"(9,)")), "is not a readable archive of arrays"),
+        (archive_of(COUNTS.replace(b"NUMPY", b"NUMPi")), DAMAGED),
+        (archive_of(COUNTS.replace(b"\x01\x00", b"\x07\x00", 1)), DAMAGED),
+        (archive_of(b""), DAMAGED),
+        (archive_of(COUNTS[:60]), DAMAGED),
+        (archive_of(COUNTS.replace(b"(3,)", b"(3,")), DAMAGED),
+        (archive_of(COUNTS.replace(b"(3,)", b"(x,)")), DAMAGED),
+        (archive_of(COUNTS.replace(b"'<i8'", b"print")), DAMAGED),
+        (archive_of(COUNTS[:-1]), r"23 bytes do not fill the shape \(3,\)"),
+        (archive_of(COUNTS + b"x"), r"25 bytes do not fill the shape \(3,\)"),
+        (archive_of(COUNTS.replace(b"(3,)", b"(9,)")), r"24 bytes do not fill the shape \(9,\)"),
         (
             archive_of(COUNTS.replace(b"(3,), }         ", b"(3000000000,), }")),
-            "is not a readable archive of arrays",
+            r"24 bytes do not fill the shape \(3000000000,\)",
         ),
-        (archive_of(npy(np.array([print], dtype=object), allow_pickle=True)), "is not a readable archive"),
+        (
+            archive_of(npy(np.empty((0, 1, 1))).replace(b"(0, 1, 1)", b"(0, 9876543210, 9876543210)")),
+            r"0 bytes do not fill the shape \(0, 9876543210, 9876543210\)",
+        ),
+        (archive_of(npy(np.array([True, False]))[:-1] + b"\x02"), "it holds booleans other than 0 and 1"),
+        (archive_of(npy(np.array([print], dtype=object), allow_pickle=True)), "only numbers and booleans"),
+        (archive_of(npy(np.array(["text"]))), "only numbers and booleans"),
+        (archive_of(npy(np.zeros(2, dtype="i4,f8"))), DAMAGED),
+        (archive_of(COUNTS, zipfile.ZIP_LZMA), "packed with a method other than those of NumPy"),
+        (archive_of(COUNTS, zipfile.ZIP_BZIP2), "packed with a method other than those of NumPy"),
+        (archive_of(COUNTS, copies=2), "two of its arrays have the same name"),
+        (b"PK\x01\x02" * 10_001, "holds more than the 10000 arrays allowed"),
     ],
 )
 def test_hostile_archives_are_refused_with_their_path(tmp_path: Path, content: bytes, complaint: str) -> None:
@@ -383,9 +517,9 @@ def test_lines_are_appended_and_a_torn_one_is_ended_first(tmp_path: Path) -> Non
     assert log.read_text() == '{"iteration": 0}\n{"iteration": 1}\n{"itera\n{"iteration": 2}\n'
 
 
-@pytest.mark.parametrize("text", ["a\nb", "a\r", "\n"])
+@pytest.mark.parametrize("text", ["a\nb", "a\r", "\n", "a\0b", "\ud800"])
 def test_only_single_lines_are_appended(tmp_path: Path, text: str) -> None:
-    with pytest.raises(InputError, match="only single lines can be appended to"):
+    with pytest.raises(InputError, match="only single lines of text can be appended to"):
         files.append_line(tmp_path / "log", text)
 
     assert names_in(tmp_path) == []

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -107,5 +107,84 @@ def test_a_file_system_without_locks_is_reported(tmp_path: Path, monkeypatch: py
     with (
         pytest.raises(RunFolderError, match="cannot be locked \\(No locks available\\)"),
         FolderLock(tmp_path),
+    ):
+        pass
+
+
+FORKING_HOLDER = """
+import os, sys, time
+from relforest.support.locks import FolderLock
+with FolderLock(sys.argv[1]):
+    child = os.fork()
+    if child == 0:
+        if sys.argv[2] == "leaves":
+            sys.exit()
+        time.sleep(60)
+        os._exit(0)
+    if sys.argv[2] == "leaves":
+        os.waitpid(child, 0)
+    print(child, flush=True)
+    sys.stdin.read()
+"""
+
+
+@contextmanager
+def a_forking_process_holding(folder: Path, child_does: str) -> Iterator[tuple[subprocess.Popen[str], int]]:
+    command = [sys.executable, "-W", "ignore", "-c", FORKING_HOLDER, str(folder), child_does]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        child = int(process.stdout.readline())
+        try:
+            yield process, child
+        finally:
+            process.kill()
+            with suppress(ProcessLookupError):
+                os.kill(child, signal.SIGKILL)
+
+
+def test_a_forked_process_does_not_keep_the_lock_of_a_killed_one(tmp_path: Path) -> None:
+    with a_forking_process_holding(tmp_path, "stays") as (process, child):
+        with pytest.raises(RunFolderError, match=f"in use by process {process.pid}"), FolderLock(tmp_path):
+            pass
+        process.kill()
+        process.wait()
+        with FolderLock(tmp_path):
+            os.kill(child, 0)
+
+
+def test_a_forked_process_that_leaves_the_block_leaves_the_lock_alone(tmp_path: Path) -> None:
+    with (
+        a_forking_process_holding(tmp_path, "leaves") as (process, _),
+        pytest.raises(RunFolderError, match=f"in use by process {process.pid}"),
+        FolderLock(tmp_path),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("content", [b"", b"\x1b[31m", b"no number"])
+def test_a_holder_without_a_number_is_another_process(tmp_path: Path, content: bytes) -> None:
+    with FolderLock(tmp_path):
+        (tmp_path / ".lock").write_bytes(content)
+        with pytest.raises(RunFolderError, match="is in use by another process; "), FolderLock(tmp_path):
+            pass
+
+
+def test_a_full_disk_does_not_keep_a_folder_from_being_held(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.pwrite", fail)
+    with FolderLock(tmp_path), pytest.raises(RunFolderError, match="another process"), FolderLock(tmp_path):
+        pass
+    with FolderLock(tmp_path):
+        pass
+
+
+def test_what_cannot_be_a_path_is_refused() -> None:
+    with (
+        pytest.raises(RunFolderError, match="cannot be used as a run folder .*embedded null"),
+        FolderLock("a\0b"),
     ):
         pass

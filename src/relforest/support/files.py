@@ -7,49 +7,41 @@ before it is used.
 
 from __future__ import annotations
 
+import errno
 import gzip
 import io
 import json
-import math
 import os
 import re
 import reprlib
 import secrets
 import stat
-import zipfile
 import zlib
-from collections import Counter
-from collections.abc import Container, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Container, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
-import numpy as np
 from numpy.typing import NDArray
 
+from relforest.support.archives import pack_arrays, unpack_arrays
+from relforest.support.documents import (
+    MAX_DEPTH,
+    check_extent,
+    check_values,
+    is_clean,
+    without_duplicates,
+)
 from relforest.support.errors import InputError, ModelFormatError
 
-MAX_BYTES = 256 * 2**20
-MAX_INPUT_BYTES = 2**31
-MAX_DEPTH = 64
+MAX_BYTES: Final = 256 * 2**20
+MAX_DOCUMENT_BYTES: Final = 64 * 2**20
+MAX_INPUT_BYTES: Final = 2**31
 
-# Fixed, so that equal arrays give equal bytes whenever they are written.
-_ZIP_TIME = (1980, 1, 1, 0, 0, 0)
-_BROKEN_ARCHIVE = (
-    OSError,
-    ValueError,
-    EOFError,
-    KeyError,
-    MemoryError,
-    NotImplementedError,
-    RuntimeError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-
-
-_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
+_TEMPORARY: Final = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
+# File systems allow names of 255 bytes; a temporary name adds 22 to that of its file.
+_LONGEST_STEM: Final = 200
 
 
 def content_digest(paths: Iterable[Path]) -> str:
@@ -73,22 +65,45 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     Raises
     ------
     OSError
-        If the file cannot be written; what was at ``path`` before is still there.
+        If the file cannot be written; ``filename`` is set, and what was at ``path`` before is still there.
+    InputError
+        If ``path`` is empty or cannot be a path.
     """
-    target = Path(os.path.realpath(path))
-    target.parent.mkdir(parents=True, exist_ok=True)
-    temporary = target.with_name(f".{target.name}.{secrets.token_hex(8)}.tmp")
-    try:
-        with temporary.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(target)
-    except BaseException:
-        with suppress(FileNotFoundError):
-            temporary.unlink()
-        raise
-    _sync_folder(target.parent)
+    with _writing(path):
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+        make_folder(target.parent)
+        stem = os.fsdecode(os.fsencode(target.name)[:_LONGEST_STEM])
+        temporary = target.with_name(f".{stem}.{secrets.token_hex(8)}.tmp")
+        try:
+            with temporary.open("xb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(target)
+        except BaseException:
+            with suppress(OSError):
+                temporary.unlink()
+            raise
+        _sync_folder(target.parent)
+
+
+def make_folder(path: str | os.PathLike[str]) -> None:
+    """Make a folder and those around it, unless it is there.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made; ``filename`` says what is in the way.
+    InputError
+        If ``path`` is empty or cannot be a path.
+    """
+    with _writing(path):
+        try:
+            Path(path).mkdir(parents=True, exist_ok=True)
+        except FileExistsError as error:
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), error.filename) from None
 
 
 def is_temporary(path: Path) -> bool:
@@ -104,8 +119,18 @@ def remove_temporary_files(folder: Path) -> None:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file as UTF-8, whole or not at all; see `write_bytes`."""
-    write_bytes(path, text.encode("utf-8"))
+    """Write a text file as UTF-8, whole or not at all; see `write_bytes`.
+
+    Raises
+    ------
+    InputError
+        If the text holds lone surrogates, which UTF-8 cannot express.
+    """
+    try:
+        data = text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        raise InputError(f"{path} cannot be written as UTF-8: {error}") from error
+    write_bytes(path, data)
 
 
 def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> None:
@@ -116,22 +141,22 @@ def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> Non
     path : path
         Where to write; see `write_bytes`.
     document : mapping
-        Built of dict, list, str, int, float, bool and None.
+        Built of dict, list, tuple, str, int, float, bool and None.
 
     Raises
     ------
     InputError
-        If the document holds NaN, an infinite number or another value that JSON cannot say.
+        If the document holds anything that `read_json` would refuse.
     """
     try:
-        text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
-    except (TypeError, ValueError) as error:
+        check_values(document, "the document")
+    except ModelFormatError as error:
         raise InputError(f"{path} cannot be written as JSON: {error}") from error
-    write_text(path, text + "\n")
+    write_text(path, json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
 
 
 def read_json(
-    path: str | os.PathLike[str], *, format: str, version: int, max_bytes: int = MAX_BYTES
+    path: str | os.PathLike[str], *, format: str, version: int, max_bytes: int = MAX_DOCUMENT_BYTES
 ) -> dict[str, Any]:
     """Read a JSON document of this library and check that it is one.
 
@@ -156,7 +181,9 @@ def read_json(
     ModelFormatError
         If the file is missing, not a regular file, too large, not UTF-8, not JSON, or fails `check_document`.
     """
-    document = _parse_json(_read_regular_file(path, max_bytes), f"{path} is not a {format} file")
+    data = _read_regular_file(path, max_bytes)
+    check_extent(data, str(path))
+    document = _parse_json(data, f"{path} is not a {format} file")
     return check_document(document, format=format, version=version, origin=str(path))
 
 
@@ -182,14 +209,14 @@ def check_document(document: object, *, format: str, version: int, origin: str) 
     Raises
     ------
     ModelFormatError
-        If it is not an object with that format and a known version, is nested more than 64 levels deep, or
-        holds anything that is not JSON (NaN and infinite numbers included).
+        If it is not an object with that format and a known version, or holds a value that
+        `relforest.support.documents.check_values` refuses.
     """
     if not isinstance(document, dict):
         raise ModelFormatError(
             f"{origin} is not a {format} document: it holds {type(document).__name__}, not an object"
         )
-    _check_values(document, origin)
+    check_values(document, origin)
     found = document.get("format")
     if found != format:
         said = "it names no format" if found is None else f"its format is {reprlib.repr(found)}"
@@ -216,24 +243,14 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) 
     path : path
         Where to write, used as it is; see `write_bytes`.
     arrays : mapping of str to ndarray
-        Any types but object.
+        Of booleans, integers or floats.
 
     Raises
     ------
     InputError
-        If an array holds Python objects, which only pickle could store.
+        If an array is of another type.
     """
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
-        for name, array in arrays.items():
-            if array.dtype.hasobject:
-                raise InputError(
-                    f"array {name!r} cannot be written to {path}: it holds Python objects; convert it first"
-                )
-            entry = zipfile.ZipInfo(f"{name}.npy", _ZIP_TIME)
-            with archive.open(entry, "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, array, allow_pickle=False)
-    write_bytes(path, buffer.getvalue())
+    write_bytes(path, pack_arrays(arrays, str(path)))
 
 
 def read_npz(
@@ -264,22 +281,11 @@ def read_npz(
     Raises
     ------
     ModelFormatError
-        If the file is missing, is no such archive, lacks an array, or holds a damaged or a pickled one.
+        If the file is missing or not such an archive, or an array is missing, damaged or of another type than
+        booleans, integers and floats.
     """
     data = _read_regular_file(path, max_bytes)
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            _check_unpacked_size(archive, path, max_bytes)
-            there = set(archive.namelist())
-            return {
-                name: _read_array(archive, name, path)
-                for name in names
-                if name not in optional or f"{name}.npy" in there
-            }
-    except ModelFormatError:
-        raise
-    except _BROKEN_ARCHIVE as error:
-        raise ModelFormatError(f"{path} is not a readable archive of arrays: {error}") from error
+    return unpack_arrays(data, names, optional=optional, max_bytes=max_bytes, origin=str(path))
 
 
 def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
@@ -340,16 +346,40 @@ def append_line(path: str | os.PathLike[str], text: str) -> None:
     Raises
     ------
     InputError
-        If ``text`` holds a line break.
+        If ``text`` is not a single line of text.
+    OSError
+        If the line cannot be written; ``filename`` is set, and the log is as it was.
     """
-    if "\n" in text or "\r" in text:
-        raise InputError(f"only single lines can be appended to {path}, got {text!r}")
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with target.open("a+b") as file:
-        file.seek(max(file.tell() - 1, 0))
+    if "\n" in text or not is_clean(text):
+        raise InputError(f"only single lines of text can be appended to {path}, got {text!r:.200}")
+    make_folder(Path(path).parent)
+    with _writing(path), Path(path).open("a+b", buffering=0) as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(size - 1, 0))
         torn = file.read(1) not in {b"", b"\n"}
-        file.write((b"\n" if torn else b"") + text.encode("utf-8") + b"\n")
+        line = (b"\n" if torn else b"") + text.encode("utf-8") + b"\n"
+        # A disk that is almost full takes a part of the line.
+        if file.write(line) != len(line):
+            file.truncate(size)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@contextmanager
+def _writing(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Name the file in every error of the ``with`` block, which the operating system does for some only."""
+    name = os.fspath(path)
+    if not name:
+        raise InputError("the path to write to is empty: name a file or folder")
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None or is_temporary(Path(error.filename)):
+            raise OSError(error.errno, error.strerror, name) from error
+        raise
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{name!r} cannot be a path: {error}") from error
 
 
 def _read_regular_file(path: str | os.PathLike[str], max_bytes: int) -> bytes:
@@ -374,7 +404,7 @@ def _first_bytes(path: str | os.PathLike[str], count: int) -> bytes:
 
 def _parse_json(data: bytes, complaint: str) -> object:
     try:
-        document: object = json.loads(data.decode("utf-8"), object_pairs_hook=_without_duplicates)
+        document: object = json.loads(data.decode("utf-8"), object_pairs_hook=without_duplicates)
     except UnicodeDecodeError as error:
         raise ModelFormatError(f"{complaint}: it is not UTF-8 text") from error
     except RecursionError as error:
@@ -382,53 +412,6 @@ def _parse_json(data: bytes, complaint: str) -> object:
     except ValueError as error:
         raise ModelFormatError(f"{complaint}: it is not valid JSON ({error})") from error
     return document
-
-
-def _check_unpacked_size(archive: zipfile.ZipFile, path: str | os.PathLike[str], max_bytes: int) -> None:
-    unpacked = sum(entry.file_size for entry in archive.infolist())
-    if unpacked > max_bytes:
-        raise ModelFormatError(f"{path} unpacks to {unpacked} bytes, more than the {max_bytes} allowed")
-
-
-def _read_array(archive: zipfile.ZipFile, name: str, path: str | os.PathLike[str]) -> NDArray[Any]:
-    if f"{name}.npy" not in archive.namelist():
-        raise ModelFormatError(f"{path} holds no array {name!r}")
-    with archive.open(f"{name}.npy") as member:
-        array: NDArray[Any] = np.lib.format.read_array(member, allow_pickle=False)
-        if member.read(1):
-            raise ModelFormatError(f"array {name!r} of {path} is damaged: bytes follow its end")
-    return array
-
-
-def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    result = dict(pairs)
-    if len(result) < len(pairs):
-        (repeated, _), *_ = Counter(key for key, _ in pairs).most_common(1)
-        raise ValueError(f"the key {reprlib.repr(repeated)} appears twice in one object")
-    return result
-
-
-def _check_values(document: object, origin: str) -> None:
-    pending: list[tuple[object, int]] = [(document, 1)]
-    while pending:
-        value, depth = pending.pop()
-        if isinstance(value, (dict, list, tuple)):
-            if depth > MAX_DEPTH:
-                raise ModelFormatError(f"{origin} is nested more than {MAX_DEPTH} levels deep")
-            if isinstance(value, dict):
-                _check_keys(value, origin)
-            members = value.values() if isinstance(value, dict) else value
-            pending.extend((member, depth + 1) for member in members)
-        elif isinstance(value, float) and not math.isfinite(value):
-            raise ModelFormatError(f"{origin} holds a number that is not finite ({value})")
-        elif not isinstance(value, (str, int, float, bool, type(None))):
-            raise ModelFormatError(f"{origin} holds a {type(value).__name__}, which is not JSON")
-
-
-def _check_keys(members: Mapping[Any, object], origin: str) -> None:
-    for key in members:
-        if not isinstance(key, str):
-            raise ModelFormatError(f"{origin} has the key {reprlib.repr(key)}, which is not a string")
 
 
 def _sync_folder(folder: Path) -> None:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import fcntl
 import os
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Self, final
+from typing import Final, Self, final
+from weakref import WeakSet
 
-from relforest.support.errors import RunFolderError
+from relforest.support.errors import InputError, RunFolderError
+from relforest.support.files import make_folder
 
-_LOCK_NAME = ".lock"
-_LONGEST_PID = 32
+_LOCK_NAME: Final = ".lock"
+_LONGEST_PID: Final = 32
 
 
 @final
@@ -19,8 +22,9 @@ class FolderLock:
     """Hold a folder for this process during a ``with`` block.
 
     The folder is made if it does not exist. The operating system drops the lock when the process ends,
-    however it ends, so a killed run never blocks its own continuation. The file ``.lock`` stays in the
-    folder; it holds the number of the process while the lock is held and is empty otherwise.
+    however it ends, so a killed run never blocks its own continuation; the processes that it started, even
+    forked ones, do not hold the lock. The file ``.lock`` stays in the folder; it holds the number of the
+    process while the lock is held and is empty otherwise.
 
     Parameters
     ----------
@@ -48,6 +52,7 @@ class FolderLock:
             os.close(descriptor)
             raise
         self._descriptor = descriptor
+        _HELD.add(self)
         return self
 
     def __exit__(
@@ -58,27 +63,35 @@ class FolderLock:
     ) -> None:
         """Drop the lock."""
         descriptor, self._descriptor = self._descriptor, -1
-        try:
-            os.ftruncate(descriptor, 0)
-        finally:
+        # A forked process that leaves the block holds nothing.
+        if descriptor >= 0:
+            _HELD.discard(self)
+            _note(descriptor, "")
             os.close(descriptor)
+
+    def let_go(self) -> None:
+        """Close the file without a word, in a forked process: the lock stays with the process forked from."""
+        descriptor, self._descriptor = self._descriptor, -1
+        os.close(descriptor)
 
     def _open(self) -> int:
         try:
-            self._folder.mkdir(parents=True, exist_ok=True)
+            make_folder(self._folder)
             return os.open(self._folder / _LOCK_NAME, os.O_RDWR | os.O_CREAT, 0o666)
-        except OSError as error:
+        except (OSError, InputError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
             raise RunFolderError(
-                f"{self._folder} cannot be used as a run folder ({error.strerror}); choose another one"
+                f"{self._folder} cannot be used as a run folder ({reason}); choose another one"
             ) from error
 
     def _take(self, descriptor: int) -> None:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            owner = os.pread(descriptor, _LONGEST_PID, 0).decode("ascii", "replace").strip() or "unknown"
+            owner = os.pread(descriptor, _LONGEST_PID, 0).strip()
+            process = f"process {owner.decode()}" if owner.isdigit() else "another process"
             raise RunFolderError(
-                f"the folder {self._folder} is in use by process {owner}; "
+                f"the folder {self._folder} is in use by {process}; "
                 "wait until it has finished, stop it, or choose another folder"
             ) from None
         except OSError as error:
@@ -86,5 +99,24 @@ class FolderLock:
                 f"the folder {self._folder} cannot be locked ({error.strerror}); "
                 "choose a folder on a file system with locks"
             ) from error
+        _note(descriptor, f"{os.getpid()}\n")
+
+
+_HELD: Final[WeakSet[FolderLock]] = WeakSet()
+
+
+def _note(descriptor: int, owner: str) -> None:
+    """Write who holds the lock, for messages; a full disk must not keep anyone from holding it."""
+    with suppress(OSError):
         os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, f"{os.getpid()}\n".encode("ascii"), 0)
+        os.pwrite(descriptor, owner.encode("ascii"), 0)
+
+
+def _let_go_all() -> None:
+    for lock in tuple(_HELD):
+        lock.let_go()
+    _HELD.clear()
+
+
+# A forked process inherits open files, and would keep the lock when the one that holds it is killed.
+os.register_at_fork(after_in_child=_let_go_all)

@@ -1,0 +1,140 @@
+"""The bytes of a ``.npz`` archive: plain arrays in a ZIP file, as NumPy writes them.
+
+NumPy's own reader evaluates the header of an array, and a ZIP file may be packed in many ways. Here only
+numbers and booleans are read, the header is matched against a pattern, and an array's size is known before it
+is made.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections.abc import Container, Iterable, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.support.errors import InputError, ModelFormatError
+
+MAX_MEMBERS: Final = 10_000
+
+# Fixed, so that equal arrays give equal bytes whenever they are written.
+_ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
+_PACKING: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_ENTRY: Final = b"PK\x01\x02"
+_PLAIN: Final = re.compile(r"\|[biu]1|[<>](?:[iu][248]|f[248])")
+_HEADER: Final = re.compile(
+    rb"\x93NUMPY(?:\x01\x00..|[\x02\x03]\x00....)"
+    rb"\{'descr': '([^']{2,9})', 'fortran_order': (False|True), "
+    rb"'shape': \(((?:\d{1,12}(?:, ?)?){0,8})\), \} *\n",
+    re.DOTALL,
+)
+
+
+def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
+    """Return the archive of named arrays; equal arrays give equal bytes.
+
+    Raises
+    ------
+    InputError
+        If an array holds anything but booleans, integers and floats; `origin` says where it was to go.
+    """
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in arrays.items():
+            if not _PLAIN.fullmatch(array.dtype.str):
+                held = "Python objects" if array.dtype.hasobject else f"values of type {array.dtype}"
+                raise InputError(
+                    f"array {name!r} cannot be written to {origin}: it holds {held}, not numbers or booleans"
+                )
+            entry = zipfile.ZipInfo(f"{name}.npy", _ZIP_TIME)
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
+    return buffer.getvalue()
+
+
+def unpack_arrays(
+    data: bytes, names: Iterable[str], *, optional: Container[str], max_bytes: int, origin: str
+) -> dict[str, NDArray[Any]]:
+    """Return named arrays of an archive, in the order of the names.
+
+    Parameters
+    ----------
+    data : bytes
+        The archive.
+    names : iterable of str
+        The arrays to read; others are left unread.
+    optional : container of str
+        Those of them that are left out if the archive lacks them.
+    max_bytes : int
+        Archives that would be larger when unpacked are refused.
+    origin : str
+        Where the data came from, for messages.
+
+    Raises
+    ------
+    ModelFormatError
+        If the data are not such an archive, or an array is missing, damaged or not of numbers or booleans.
+    """
+    if data.count(_ENTRY) > MAX_MEMBERS:
+        raise ModelFormatError(f"{origin} holds more than the {MAX_MEMBERS} arrays allowed")
+    # Damaged bytes make the ZIP reader and what it unpacks with raise errors of any type.
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            _check_entries(archive.infolist(), max_bytes, origin)
+            contents = _contents(archive, names, optional, origin)
+    except ModelFormatError:
+        raise
+    except Exception as error:
+        raise ModelFormatError(f"{origin} is not a readable archive of arrays: {error}") from error
+    return {name: _array(content, f"array {name!r} of {origin}") for name, content in contents.items()}
+
+
+def _check_entries(entries: Sequence[zipfile.ZipInfo], max_bytes: int, origin: str) -> None:
+    unpacked = sum(entry.file_size for entry in entries)
+    if unpacked > max_bytes:
+        raise ModelFormatError(f"{origin} unpacks to {unpacked} bytes, more than the {max_bytes} allowed")
+    if len({entry.filename for entry in entries}) < len(entries):
+        raise ModelFormatError(f"{origin} is damaged: two of its arrays have the same name")
+    for entry in entries:
+        if entry.compress_type not in _PACKING:
+            raise ModelFormatError(f"{origin} is packed with a method other than those of NumPy")
+
+
+def _contents(
+    archive: zipfile.ZipFile, names: Iterable[str], optional: Container[str], origin: str
+) -> dict[str, bytes]:
+    entries = {entry.filename: entry for entry in archive.infolist()}
+    contents = {}
+    for name in names:
+        entry = entries.get(f"{name}.npy")
+        if entry is not None:
+            with archive.open(entry) as member:
+                # No more than its size, which was checked, whatever it unpacks to.
+                contents[name] = member.read(entry.file_size)
+        elif name not in optional:
+            raise ModelFormatError(f"array {name!r} is missing from {origin}")
+    return contents
+
+
+def _array(content: bytes, what: str) -> NDArray[Any]:
+    header = _HEADER.match(content)
+    if header is None:
+        raise ModelFormatError(f"{what} is damaged: it does not begin as an array of numbers does")
+    kind, fortran_order, lengths = header.groups()
+    if not _PLAIN.fullmatch(kind.decode("latin-1")):
+        raise ModelFormatError(f"{what} has the type {kind!r}: only numbers and booleans can be read")
+    dtype = np.dtype(kind.decode("latin-1"))
+    shape = tuple(int(length) for length in re.findall(rb"\d+", lengths))
+    values = content[header.end() :]
+    # With 1 for 0, because NumPy multiplies the other lengths of an empty array too.
+    extent = math.prod(max(length, 1) for length in shape) * dtype.itemsize
+    if len(values) != math.prod(shape) * dtype.itemsize or extent > np.iinfo(np.int64).max:
+        raise ModelFormatError(f"{what} is damaged: {len(values)} bytes do not fill the shape {shape}")
+    if dtype.kind == "b" and values.strip(b"\x00\x01"):
+        raise ModelFormatError(f"{what} is damaged: it holds booleans other than 0 and 1")
+    flat: NDArray[Any] = np.frombuffer(values, dtype=dtype)
+    return flat.reshape(shape, order="F" if fortran_order == b"True" else "C").copy(order="K")

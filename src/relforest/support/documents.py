@@ -1,0 +1,118 @@
+"""What may stand in a JSON document of ours: a bounded number of plain values, finite numbers, clean text.
+
+Everything that relforest stores as JSON passes here, when it is written and when it is read, so that code
+behind it need not expect numbers that overflow or text that cannot be shown.
+"""
+
+from __future__ import annotations
+
+import re
+import reprlib
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any, Final
+
+from relforest.support.errors import ModelFormatError
+
+MAX_DEPTH: Final = 64
+MAX_VALUES: Final = 4_000_000
+"""Values of a document; a tree of 1000 questions in 3 dimensions with its sample of points has 1 million."""
+MAX_OBJECTS: Final = 500_000
+LARGEST_NUMBER: Final = 1e100
+"""Squares of such numbers, and sums of many squares, do not overflow."""
+LONGEST_TEXT: Final = 10_000
+
+# Control characters but for tab and line feed, lone surrogates and what is no character.
+_UNCLEAN: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+
+
+def check_extent(data: bytes, origin: str) -> None:
+    """Check how much JSON text can hold, before anything is built from it.
+
+    Raises
+    ------
+    ModelFormatError
+        If it could hold more than `MAX_VALUES` values or `MAX_OBJECTS` objects.
+    """
+    if data.count(b",") + data.count(b"[") + data.count(b"{") > MAX_VALUES or data.count(b"{") > MAX_OBJECTS:
+        raise ModelFormatError(
+            f"{origin} is too large: a document may hold {MAX_VALUES} values and {MAX_OBJECTS} objects"
+        )
+
+
+def check_values(document: object, origin: str) -> None:
+    """Check every value of a document.
+
+    Parameters
+    ----------
+    document : object
+        Built of dict, list, tuple, str, int, float, bool and None.
+    origin : str
+        Where it came from, for messages.
+
+    Raises
+    ------
+    ModelFormatError
+        If it is nested more than `MAX_DEPTH` levels deep, or holds anything that is not JSON, a number that
+        is not finite or beyond `LARGEST_NUMBER`, or text that is longer than `LONGEST_TEXT` or holds control
+        characters (tab and line feed may be there) or lone surrogates.
+    """
+    pending: list[tuple[Any, int]] = [((document,), 0)]
+    while pending:
+        members, depth = pending.pop()
+        if depth > MAX_DEPTH:
+            raise ModelFormatError(f"{origin} is nested more than {MAX_DEPTH} levels deep")
+        if isinstance(members, dict):
+            _check_keys(members, origin)
+            members = members.values()
+        for value in members:
+            if isinstance(value, (float, int)):
+                # The negated test also catches NaN; None and booleans cost nothing here.
+                if not -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
+                    _refuse_number(value, origin)
+            elif isinstance(value, str):
+                _check_text(value, origin)
+            elif isinstance(value, (dict, list, tuple)):
+                pending.append((value, depth + 1))
+            elif value is not None:
+                raise ModelFormatError(f"{origin} holds a {type(value).__name__}, which is not JSON")
+
+
+def is_clean(text: str) -> bool:
+    """Return whether text can be stored and shown: see `check_values`."""
+    return len(text) <= LONGEST_TEXT and not _UNCLEAN.search(text)
+
+
+def without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Build the dictionary of a JSON object, for ``json.loads``; a repeated key raises `ValueError`."""
+    result = dict(pairs)
+    if len(result) < len(pairs):
+        (repeated, _), *_ = Counter(key for key, _ in pairs).most_common(1)
+        raise ValueError(f"the key {reprlib.repr(repeated)} appears twice in one object")
+    return result
+
+
+def _check_keys(members: Mapping[Any, object], origin: str) -> None:
+    for key in members:
+        if not isinstance(key, str):
+            raise ModelFormatError(f"{origin} has the key {reprlib.repr(key)}, which is not a string")
+        _check_text(key, origin)
+
+
+def _check_text(text: str, origin: str) -> None:
+    if len(text) > LONGEST_TEXT:
+        raise ModelFormatError(
+            f"{origin} holds a text of {len(text)} characters: at most {LONGEST_TEXT} are allowed"
+        )
+    found = _UNCLEAN.search(text)
+    if found:
+        raise ModelFormatError(
+            f"{origin} holds the character U+{ord(found[0]):04X} in {reprlib.repr(text)}: control characters "
+            "and lone surrogates are not allowed in text"
+        )
+
+
+def _refuse_number(number: float, origin: str) -> None:
+    if isinstance(number, float) and (number != number or number in {float("inf"), float("-inf")}):  # noqa: PLR0124
+        raise ModelFormatError(f"{origin} holds a number that is not finite ({number})")
+    raise ModelFormatError(f"{origin} holds {reprlib.repr(number)}, a number beyond {LARGEST_NUMBER:g}")
