@@ -95,10 +95,11 @@ def measure_single(tree: Tree, n_objects: int) -> tuple[tuple[Cell, ...], ...]:
     (forest,) = value._packed  # noqa: SLF001 - what `values` hands to the kernel
     arguments, out = np.zeros((1, 1), dtype=np.int64), np.empty(1)
     decision = Decision(scene.matrix, np.zeros(1, dtype=np.int64), arguments, np.zeros(1, dtype=np.int64))
-    rows, work = np.arange(n_objects), query_work(*forest.sizes)
+    rows, work, place = np.arange(n_objects), query_work(*forest.sizes), np.zeros(2, dtype=np.int64)
 
     def kernel(_: int) -> None:
-        forest_values(forest, scene.matrix, rows, arguments, work, out)
+        place[:] = 0
+        forest_values(forest, scene.matrix, rows, arguments, work, out, place)
 
     calls: Sequence[tuple[str, float]] = (
         ("kernel call of a policy (forest_values)", median_seconds(kernel, range(REPEATS), calls=500)),

@@ -151,7 +151,7 @@ def test_damaged_models_are_refused(tmp_path: Path, change: Callable[[dict[str, 
     path.write_text(json.dumps(document))
 
     with pytest.raises(
-        ModelFormatError, match=r"tree\.json is damaged .*: restore it, or learn the tree again"
+        ModelFormatError, match=r"tree\.json is damaged: .*; restore it, or learn the tree again"
     ):
         read_model(path)
 

@@ -50,3 +50,15 @@ def test_other_suffixes_are_refused(tmp_path: Path, name: str, found: str) -> No
         save_figure(line_figure(), tmp_path / name)
 
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_huge_figure_gets_fewer_pixels(tmp_path: Path) -> None:
+    for size, most in (((2, 600), 2**16 - 1), ((60, 60), 6000)):
+        figure = Figure(figsize=size)
+        save_figure(figure, tmp_path / "figure.png")
+        # The width and the height stand behind the signature and the head of the first chunk.
+        header = (tmp_path / "figure.png").read_bytes()[16:24]
+        pixels = [int.from_bytes(header[:4], "big"), int.from_bytes(header[4:], "big")]
+
+        assert max(pixels) <= most
+        assert pixels[0] * pixels[1] <= 31e6

@@ -86,5 +86,5 @@ def test_damaged_folders_are_refused(tmp_path: Path) -> None:
         run_report(tmp_path)
     damaged = {"format": "relforest-checkpoint", "version": 1, "metrics": 3}
     (tmp_path / "checkpoint.json").write_text(json.dumps(damaged))
-    with pytest.raises(ModelFormatError, match="is damaged: it has no list of metrics"):
+    with pytest.raises(ModelFormatError, match="is damaged: the list of metrics is missing"):
         run_report(tmp_path)

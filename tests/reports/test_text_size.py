@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relforest.reports.text_size import line_height, shortened, text_width, wrapped
+from relforest.reports.text_size import drawable, line_height, shortened, text_width, wrapped
 
 TEXTS = st.text("abcdefgh (),.-$", max_size=60)
 
@@ -42,3 +42,21 @@ def test_shortened_text_fits(text: str, width: float) -> None:
 
     assert text_width(short, 8.0) <= width
     assert short == text or short.endswith("…")
+
+
+def test_only_what_the_font_has_is_drawn() -> None:
+    mark = "\N{REPLACEMENT CHARACTER}"
+
+    assert drawable("a\x00b\x1b\n\t\ud800 \N{CJK UNIFIED IDEOGRAPH-4E2D}é…") == (
+        f"a{mark}b{mark * 4} {mark}é…"
+    )
+    assert shortened("\x00", 1.0, 8.0) == mark
+    assert wrapped("a\nb \x00", 1.0, 8.0) == [f"a b {mark}"]
+
+
+def test_very_long_text_is_cut() -> None:
+    assert shortened("letters " * 100_000, 2.0, 8.0).endswith("…")
+    lines = wrapped("w" * 100_000, 2.0, 8.0)
+
+    assert lines[-1].endswith("…")
+    assert len(lines) < 100

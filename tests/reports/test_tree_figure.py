@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
 
+from relforest.mappings import Mapping
 from relforest.reports import question_points, save_figure, tree_figure
 from relforest.reports.style import BLUE
+from relforest.reports.tree_figure import MOST_NODES, MOST_PANELS
+from relforest.scenes import Attribute, Schema
 from relforest.support.errors import InputError
-from relforest.trees import Tree
-from reports.drawn_trees import LEAF, SCHEMA, chain, five_questions, one_question, scenes_of, texts_of
+from relforest.trees import Question, Tree
+from reports.drawn_trees import DISC, LEAF, SCHEMA, chain, five_questions, one_question, scenes_of, texts_of
 
 SCENES = scenes_of([[0, 0], [1, 0.1], [0.5, 0]], [[0, 0], [4, 4]], [[1, 1], [2.5, 1]])
 LABELS = np.array([True, False, True])
@@ -127,3 +130,41 @@ def test_equal_trees_give_equal_bytes(tmp_path: Path, suffix: str) -> None:
 def test_scenes_need_labels() -> None:
     with pytest.raises(InputError, match="scenes and labels belong together"):
         tree_figure(one_question(), SCENES)
+
+
+def named(name: str) -> Tree:
+    """One question about an attribute of this name."""
+    schema = Schema([Attribute(name, 2)])
+    question = Question(Mapping("difference", schema[name]), (0, 1), DISC, 0, 0, 0)
+    return Tree.stub(schema, LEAF).expanded(0, 2, question)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg"])
+@pytest.mark.parametrize("name", ["x" * 10_000, "many words " * 900, "\N{CJK UNIFIED IDEOGRAPH-4E2D}" * 40])
+def test_long_and_foreign_names_are_drawn(tmp_path: Path, name: str, suffix: str) -> None:
+    figure = tree_figure(named(name), title=f"{name} \x00\x1b\ud800\n")
+    save_figure(figure, tmp_path / f"tree{suffix}")
+
+    assert max(figure.get_size_inches()) < 60
+    if suffix == ".svg":
+        text = (tmp_path / "tree.svg").read_text("utf-8")
+        assert all(letter.isprintable() or letter == "\n" for letter in text)
+
+
+def test_of_many_questions_the_first_have_panels() -> None:
+    figure = tree_figure(chain(MOST_PANELS + 2))
+
+    assert len(figure.axes) == 1 + MOST_PANELS
+    assert f"decision volumes of the first {MOST_PANELS} of {MOST_PANELS + 2} questions" in texts_of(figure)
+
+
+def test_a_tree_that_fits_no_page_is_refused() -> None:
+    with pytest.raises(InputError, match=r"the tree has \d+ nodes, too many .* print the tree in words"):
+        tree_figure(chain(200))
+
+
+def test_the_largest_tree_is_drawn(tmp_path: Path) -> None:
+    tree = chain((MOST_NODES - 2) // 3)
+    save_figure(tree_figure(tree), tmp_path / "tree.png")
+
+    assert MOST_NODES - 3 <= len(tree.nodes) <= MOST_NODES

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, FancyArrowPatch, Rectangle, Wedge
 
 from relforest.mappings import Mapping
+from relforest.reports import save_figure
 from relforest.reports.question_panel import volume_table
 from relforest.reports.question_points import QuestionPoints
 from relforest.reports.volume_panel import draw_volume
-from relforest.volumes import Arc, Ellipsoid
+from relforest.volumes import Arc, Ellipsoid, Volume, volume_from_dict
 from reports.drawn_trees import BALL, DISC, NEAR, SCHEMA, texts_of
 
 DIFFERENCE = Mapping("difference", SCHEMA["location"])
@@ -131,3 +134,48 @@ def test_tables_of_volumes() -> None:
     wide = Ellipsoid(np.zeros(6), np.diag([36.0, 25.0, 16.0, 9.0, 4.0, 1.0]), 1.0, 5, 0.1)
     assert volume_table(wide)[0] == ("mean", "(0, 0, 0, 0, …)")
     assert volume_table(wide)[-1] == ("", "and 3 shorter ones")
+
+
+EXTREME_VOLUMES: dict[str, Volume] = {
+    "far": Ellipsoid(np.array([1e40, -1e40]), np.eye(2), 1.0, 5, 0.1),
+    "huge": Ellipsoid(np.zeros(2), np.diag([1e80, 1e66]), 1.0, 5, 0.1),
+    "long": Ellipsoid(np.zeros(2), np.array([[1.0, 0.9], [0.9, 1.0]]) * 1e60, 1e5, 5, 0.1),
+    "tiny": Ellipsoid(np.array([1.0, 2.0]), np.eye(2) * 1e-99, 0.0, 5, 0.1),
+    "sharp": Ellipsoid(np.zeros(2), np.eye(2) * 1e-99, 1e89, 5, 1e15),
+    "far interval": Ellipsoid(np.array([-1e40]), np.eye(1), 1e-90, 5, 0.1),
+    "huge interval": Ellipsoid(np.array([3.0]), np.array([[1e80]]), 1.0, 5, 0.1),
+    "huge ball": Ellipsoid(np.zeros(3), np.eye(3), 1e40, 5, 0.1),
+    "point": Ellipsoid(np.ones(3) * 1e40, np.eye(3) * 1e-99, 1e-90, 5, 0.1),
+    "all around": Arc(1e6, 1e6, 1e12),
+    "no arc": Arc(-1e6, 0.0, 0.0),
+}
+EXTREME_POINTS = (0.0, 1e-90, -3.5, 1e30, -1e40)
+
+
+@pytest.mark.parametrize("name", EXTREME_VOLUMES)
+@pytest.mark.parametrize("suffix", [".png", ".svg"])
+def test_whatever_the_loader_admits_is_drawn(tmp_path: Path, name: str, suffix: str) -> None:
+    volume = volume_from_dict(EXTREME_VOLUMES[name].to_dict())
+    mapping = {1: DISTANCE, 2: DIFFERENCE, 3: COLOR}[volume.dim]
+    seen = points(*product(EXTREME_POINTS, repeat=volume.dim))
+    mapping = ORIENTATION if isinstance(volume, Arc) else mapping
+    for number, witness in enumerate((0.0, 1e40, 1e300, math.nan, math.inf)):
+        figure = Figure(figsize=(2, 2))
+        own = figure.add_axes((0.2, 0.2, 0.6, 0.6))
+        draw_volume(own, mapping, volume, seen, np.full(volume.dim, witness))
+        save_figure(figure, tmp_path / f"{number}{suffix}")
+    figure = Figure(figsize=(2, 2))
+    draw_volume(figure.add_axes((0.2, 0.2, 0.6, 0.6)), mapping, volume)
+    save_figure(figure, tmp_path / f"alone{suffix}")
+
+
+def test_of_an_ellipse_without_end_the_inside_is_filled(axes: Axes) -> None:
+    # All x between -1 and 1, as far as can be seen.
+    strip = Ellipsoid(np.zeros(2), np.diag([1.0, 1e40]), 1.0, 5, 0.1)
+    draw_volume(axes, DIFFERENCE, strip, points((-2, -2), (2, 2), (0, 1), (1, 0)))
+    (image,) = axes.images
+    filled = (np.asarray(image.get_array())[150] != 1.0).any(axis=1)
+    x = np.linspace(*axes.get_xlim(), 300)
+
+    assert list(axes.patches) == []
+    np.testing.assert_array_equal(filled, np.abs(x) <= 1.0)

@@ -5,17 +5,28 @@ import math
 import numpy as np
 import pytest
 
+from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.features import forest_features, width
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.rl.value import ValueFunction, action_schemas
-from relforest.scenes import Schema
+from relforest.scenes import Scenes, Schema
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
-from relforest.trees import Tree
-from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near
+from relforest.trees import Instantiation, Leaf, Question, Tree
+from relforest.trees.kernels import MOST_STEPS
+from rl.small_worlds import (
+    ACTION_TYPES,
+    LOCATION,
+    PICK_SCHEMA,
+    SCHEMA,
+    Picking,
+    beside,
+    near,
+    within,
+)
 
 FORESTS = ((near(SCHEMA), near(SCHEMA, mean=0.9)), (beside(), near(PICK_SCHEMA), beside()))
 
@@ -89,6 +100,21 @@ def test_the_order_of_objects_does_not_matter() -> None:
     np.testing.assert_allclose(found[1:], value.values(decision(*things))[1:][order], rtol=1e-12)
 
 
+def test_a_search_that_has_to_pause_finds_the_same() -> None:
+    # Twice more pairs of objects than nodes that one call of the kernel may visit.
+    things = np.linspace(0.0, 1.0, 460)
+    pairs = Question(Mapping("distance", LOCATION), (0, 1), within(0.0, 0.001), 3, 4, 5)
+    leaves = [Leaf(probability, 1, 1) for probability in (0.9, 0.1, 0.2)]
+    forest = (Tree(SCHEMA, (Instantiation(1), Instantiation(2), pairs, *leaves)), near(SCHEMA))
+    weights = np.linspace(1.0, 2.0, 13)
+    value = ValueFunction(SCHEMA, ACTION_TYPES[:1], "densities+bits", (forest,), (weights,))
+    scene = Scenes(SCHEMA, things[:, None], np.arange(460), np.array([0]), np.array([460]))
+    waiting = Decision(things[:, None], np.zeros(3, int), np.full((3, 1), -1), np.arange(3))
+
+    assert MOST_STEPS < 460 * 459
+    np.testing.assert_allclose(value.values(waiting), value.scene_values(0, scene).repeat(3), rtol=1e-12)
+
+
 def test_no_actions_have_no_values() -> None:
     empty = Decision(
         np.zeros((1, 1)), np.empty(0, np.int64), np.empty((0, 1), np.int64), np.empty(0, np.int64)
@@ -100,8 +126,9 @@ def test_no_actions_have_no_values() -> None:
     ("forests", "weights", "message"),
     [
         (((),), (np.zeros(1),), "each of the 2 action types needs a forest and a weight vector, got 1 and 1"),
-        (((), ()), (np.zeros(1), np.zeros(2)), "'pick' needs 1 finite weights .* got the shape"),
+        (((), ()), (np.zeros(1), np.zeros(2)), "'pick' needs 1 finite weights.* got the shape"),
         (((), ()), (np.zeros(1), np.array([np.nan])), "'pick' needs 1 finite weights"),
+        (((), ()), (np.zeros(1), np.array([1e101])), "'pick' needs 1 finite weights"),
         (((near(PICK_SCHEMA),), ()), (np.zeros(7), np.zeros(1)), "tree of action type 'wait' is for scenes"),
     ],
 )

@@ -184,7 +184,7 @@ def test_a_full_disk_does_not_keep_a_folder_from_being_held(
 
 def test_what_cannot_be_a_path_is_refused() -> None:
     with (
-        pytest.raises(RunFolderError, match="cannot be used as a run folder .*embedded null"),
+        pytest.raises(RunFolderError, match=r"cannot be used as a run folder .*embedded null"),
         FolderLock("a\0b"),
     ):
         pass

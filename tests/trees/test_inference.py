@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import signal
 
 import numpy as np
 import pytest
@@ -11,7 +12,16 @@ from hypothesis import strategies as st
 
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
-from relforest.trees import Tree, query
+from relforest.trees import Instantiation, Tree, query
+from relforest.trees.kernels import (
+    BEST_PATH,
+    PAUSE,
+    STEPS,
+    UNFINISHED,
+    WITNESSES,
+    query_scene,
+    query_work,
+)
 from small_trees import Place, leaf, near_tree, plane, scenes_in
 
 SCHEMA = plane()
@@ -42,6 +52,48 @@ def test_shapes() -> None:
     assert answers.leaf.shape == (7,)
     assert answers.densities.shape == (7, 1)
     assert answers.witnesses.shape == (7, 2)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7])
+def test_a_search_that_pauses_finds_the_same(steps: int) -> None:
+    tree, scenes = near_tree(SCHEMA, 0.5), random_scenes(20)
+    expected, packed = query(tree, scenes), tree.packed
+    work = query_work(packed.n_variables, packed.n_asked, packed.n_dims)
+    pauses = 0
+
+    for scene in range(len(scenes)):
+        leaf = UNFINISHED
+        while leaf == UNFINISHED:
+            work.integers[PAUSE, STEPS] = steps
+            arguments = scenes.arguments[scene]
+            leaf = query_scene(
+                packed.nodes, packed.numbers, 0, scenes.matrix, scenes.objects(scene), arguments, work
+            )
+            pauses += leaf == UNFINISHED
+        assert leaf == expected.leaf[scene]
+        assert work.integers[WITNESSES, :2].tolist() == expected.witnesses[scene].tolist()
+        assert np.exp(work.numbers[BEST_PATH, 0]) == expected.densities[scene, 0]
+
+    assert pauses > 20
+
+
+@pytest.mark.parametrize("n_jobs", [1, 2])
+def test_a_query_without_end_is_interrupted(n_jobs: int) -> None:
+    endless = Tree(SCHEMA, (*(Instantiation(i + 1) for i in range(15)), leaf(0.5)))
+    scenes = scenes_in(SCHEMA, [[(float(i), 0.0) for i in range(15)]] * 4)
+    query(endless, scenes.take([]))
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(KeyboardInterrupt):
+            query(endless, scenes, n_jobs=n_jobs)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @pytest.mark.parametrize("n_jobs", [1, 2])

@@ -82,20 +82,20 @@ def test_points_that_are_no_angles_are_refused(points: Any) -> None:
 def test_a_missing_key_is_named(key: str) -> None:
     document = Arc(0.0, 1.0, 1.0).to_dict()
     del document[key]
-    with pytest.raises(ModelFormatError, match=f"malformed arc: KeyError\\('{key}'\\)"):
+    with pytest.raises(ModelFormatError, match=f"malformed arc: the key '{key}' is missing"):
         volume_from_dict(document)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, "1", None, True, [1.0], {}, 10**400])
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e13, "1", None, True, [1.0], {}, 10**400])
 @pytest.mark.parametrize("key", ["mean", "radius", "kappa"])
-def test_a_value_that_is_no_finite_number_is_named(key: str, value: object) -> None:
-    with pytest.raises(ModelFormatError, match=f"malformed arc: .*{key} must be a finite number"):
+def test_a_value_that_is_no_number_within_bounds_is_named(key: str, value: object) -> None:
+    with pytest.raises(ModelFormatError, match=f"malformed arc: .*{key} must be a number of at least"):
         volume_from_dict(Arc(0.0, 1.0, 1.0).to_dict() | {key: value})
 
 
 @pytest.mark.parametrize("key", ["radius", "kappa"])
 def test_a_negative_value_is_named(key: str) -> None:
-    with pytest.raises(ModelFormatError, match=f"{key} must be a finite number of at least 0, got -1.0"):
+    with pytest.raises(ModelFormatError, match=f"{key} must be a number of at least 0 and .*, got -1.0"):
         volume_from_dict(Arc(0.0, 1.0, 1.0).to_dict() | {key: -1.0})
 
 

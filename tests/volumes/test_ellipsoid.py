@@ -128,35 +128,41 @@ def document(**changes: object) -> dict[str, object]:
 def test_a_missing_key_is_named(key: str) -> None:
     incomplete = document()
     del incomplete[key]
-    with pytest.raises(ModelFormatError, match=f"malformed ellipsoid: KeyError\\('{key}'\\)"):
+    with pytest.raises(ModelFormatError, match=f"malformed ellipsoid: the key '{key}' is missing"):
         volume_from_dict(incomplete)
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"radius": -1.0}, "radius must be a finite number of at least 0, got -1.0"),
-        ({"radius": math.inf}, "radius must be a finite number"),
-        ({"radius": math.nan}, "radius must be a finite number"),
-        ({"radius": "1"}, "radius must be a finite number of at least 0, got '1'"),
-        ({"radius": True}, "radius must be a finite number"),
-        ({"radius": None}, "radius must be a finite number"),
-        ({"radius": [1.0]}, "radius must be a finite number"),
-        ({"radius": 10**400}, "radius must be a finite number"),
+        ({"radius": -1.0}, r"radius must be a number of at least 0 and of at most 1e\+90, got -1.0"),
+        ({"radius": math.inf}, "radius must be a number"),
+        ({"radius": math.nan}, "radius must be a number"),
+        ({"radius": "1"}, "radius must be a number of at least 0 .*, got '1'"),
+        ({"radius": True}, "radius must be a number"),
+        ({"radius": None}, "radius must be a number"),
+        ({"radius": [1.0]}, "radius must be a number"),
+        ({"radius": 10**400}, "radius must be a number"),
         ({"n_keys": -1}, "n_keys must be an integer of at least 0, got -1"),
         ({"n_keys": 2.7}, "n_keys must be an integer"),
         ({"n_keys": "3"}, "n_keys must be an integer"),
-        ({"n_keys": 10**400}, "n_keys must be a finite number"),
-        ({"prior_weight": -0.1}, "prior_weight must be a finite number of at least 0"),
-        ({"prior_weight": {}}, "prior_weight must be a finite number of at least 0"),
+        ({"n_keys": 10**400}, "n_keys must be a number"),
+        ({"prior_weight": -0.1}, "prior_weight must be a number of at least 0"),
+        ({"prior_weight": {}}, "prior_weight must be a number of at least 0"),
         ({"mean": ["1", "2"]}, r"expected numbers, got \['1', '2'\]"),
         ({"mean": [True, False]}, "expected numbers"),
         ({"mean": [1.0, None]}, "expected numbers"),
         ({"mean": [1.0, 10**400]}, "expected numbers"),
         ({"mean": {"0": 1.0}}, "expected numbers"),
         ({"mean": [1.0, [2.0]]}, "malformed ellipsoid"),
-        ({"mean": [1.0, math.nan]}, "a value is not finite"),
-        ({"covariance": [[4.0, 0.0], [0.0, math.inf]]}, "a value is not finite"),
+        ({"mean": [1.0, math.nan]}, r"the mean must not exceed 1e\+40, nor the covariance 1e\+80"),
+        ({"mean": [1.0, -1e41]}, "the mean must not exceed"),
+        ({"covariance": [[1e81, 0.0], [0.0, 1e81]]}, "nor the covariance"),
+        ({"radius": 1e91}, "radius must be a number"),
+        ({"radius": 1e40}, r"it reaches farther than 1e\+40"),
+        ({"n_keys": 10**16}, "n_keys must be a number"),
+        ({"prior_weight": 1e16}, "prior_weight must be a number"),
+        ({"covariance": [[4.0, 0.0], [0.0, math.inf]]}, "nor the covariance"),
         ({"mean": []}, r"mean \(0,\) and covariance \(2, 2\) do not match"),
         ({"mean": [], "covariance": []}, "do not match"),
         ({"mean": 1.0, "covariance": 4.0}, r"mean \(\) and covariance \(\) do not match|malformed"),

@@ -13,14 +13,17 @@ from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from relforest.cli.columns import Columns
 from relforest.reports import QuestionPoints
-from relforest.support.errors import ModelFormatError, RelforestError
+from relforest.support.documents import well_formed
+from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, write_json
 from relforest.trees import Question, Tree
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
+from relforest.volumes.ellipsoid import LARGEST_VALUE
 
 FORMAT: Final = "relforest-model"
 VERSION: Final = 1
@@ -110,7 +113,7 @@ def read_model(path: Path) -> Model:
             raise error from None
         return Model(_tree(path, bare), "", (False, True), None)
     tree = _tree(path, document.get("tree"))
-    try:
+    with well_formed(f"{path} is damaged", "restore it, or learn the tree again with relforest fit"):
         return Model(
             tree,
             _text(document["label"]),
@@ -118,17 +121,11 @@ def read_model(path: Path) -> Model:
             _columns(document["columns"], tree),
             dict(_points(entry, tree) for entry in document["points"]),
         )
-    except (RelforestError, KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        raise ModelFormatError(
-            f"{path} is damaged ({error!r:.200}): restore it, or learn the tree again with relforest fit"
-        ) from error
 
 
 def _tree(path: Path, document: object) -> Tree:
-    try:
+    with well_formed(f"{path} holds no valid tree"):
         return Tree.from_dict(document)
-    except RelforestError as error:
-        raise ModelFormatError(f"{path} holds no valid tree: {error}") from error
 
 
 def _text(value: object) -> str:
@@ -147,6 +144,9 @@ def _classes(value: object) -> tuple[Label, Label]:
     if not isinstance(value, list) or not all(isinstance(entry, (bool, int, str)) for entry in value):
         raise TypeError(f"expected a list of two labels, got {value!r:.50}")
     first, second = value
+    # Compared as the command line prints them.
+    if str(first) == str(second):
+        raise ValueError(f"the two classes must differ, got {value!r:.50}")
     return first, second
 
 
@@ -154,8 +154,11 @@ def _columns(document: Any, tree: Tree) -> Columns | None:  # noqa: ANN401 - not
     if document is None:
         return None
     attributes = {name: _texts(names) for name, names in document["attributes"].items()}
-    if list(attributes) != list(tree.schema.names):
+    components = [attribute.dim for attribute in tree.schema.attributes]
+    if list(attributes) != list(tree.schema.names) or list(map(len, attributes.values())) != components:
         raise ValueError("the columns are not those of the tree's attributes")
+    if len(document["arguments"]) != tree.schema.n_parameters:
+        raise ValueError("the columns of arguments are not those of the tree")
     return Columns(
         _text(document["scene"]),
         None if document["object"] is None else _text(document["object"]),
@@ -180,9 +183,19 @@ def _points(document: Any, tree: Tree) -> tuple[int, QuestionPoints]:  # noqa: A
     node = tree.nodes[index] if isinstance(index, int) and 0 <= index < len(tree.nodes) else None
     if not isinstance(node, Question):
         raise TypeError(f"node {index!r:.50} is no question")
-    positive, negative = (
-        np.array(document[key], dtype=np.float64).reshape(-1, node.mapping.dim)
-        for key in ("positive", "negative")
-    )
+    positive, negative = (_sample(document[key], node.mapping.dim) for key in ("positive", "negative"))
     labels = np.repeat([True, False], [len(positive), len(negative)])
     return index, QuestionPoints(np.concatenate([positive, negative]), labels)
+
+
+def _sample(rows: object, dim: int) -> NDArray[np.float64]:
+    if not isinstance(rows, list) or len(rows) > MOST_POINTS:
+        raise ValueError(f"a question has at most {MOST_POINTS} points of either class, got {rows!r:.50}")
+    numbers = np.array(rows)
+    if numbers.dtype.kind not in "iuf":
+        raise TypeError(f"points must be lists of numbers, got {rows!r:.50}")
+    points = numbers.astype(np.float64).reshape(-1, dim)
+    # The negated test also catches NaN.
+    if not (np.abs(points) <= LARGEST_VALUE).all():
+        raise ValueError(f"a point must be finite and at most {LARGEST_VALUE:g}")
+    return points

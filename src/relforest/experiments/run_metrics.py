@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from relforest.experiments import sarsa_folder
-from relforest.rl.checkpoint import CHECKPOINT, FORMAT, VERSION
+from relforest.rl.checkpoint import CHECKPOINT, FORMAT, VERSION, checked_metrics
+from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json
 
@@ -24,12 +25,9 @@ def metrics_of(folder: Path) -> list[dict[str, Any]]:
         return []
     if path.name == sarsa_folder.CHECKPOINT:
         return sarsa_folder.read_metrics(folder)
-    metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
-    if not isinstance(metrics, list):
-        raise ModelFormatError(
-            f"{path} is damaged: it has no list of metrics; restore it or choose another folder"
-        )
-    return metrics
+    document = read_json(path, format=FORMAT, version=VERSION)
+    with well_formed(f"{path} is damaged", "restore it or choose another folder"):
+        return list(checked_metrics(document.get("metrics")))
 
 
 def checkpoint_of(folder: Path) -> Path:

@@ -153,10 +153,14 @@ def _read_rows(file: Path, setting: Mapping[str, Any]) -> list[Row]:
     if (
         document.get("setting") != setting
         or not isinstance(rows, list)
-        or not all(isinstance(r, dict) for r in rows)
+        or not all(isinstance(row, dict) and all(map(_is_cell, row.values())) for row in rows)
     ):
         raise RunFolderError(f"{file} is damaged or of another setting; delete it, and it is computed again")
     return rows
+
+
+def _is_cell(value: object) -> bool:
+    return value is None or isinstance(value, (str, int, float))
 
 
 def _plain(setting: Setting) -> dict[str, Any]:

@@ -13,8 +13,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from relforest.rl.checkpoint import METRICS, Row
+from relforest.rl.checkpoint import METRICS, Row, checked_metrics
 from relforest.rl.peers import SarsaLambda, read_team, write_team
+from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
 from relforest.support.rng import RandomState
@@ -37,10 +38,9 @@ def read_metrics(folder: Path) -> list[Row]:
     path = folder / CHECKPOINT
     if not path.exists():
         return []
-    metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
-    if not isinstance(metrics, list) or not metrics or not all(isinstance(row, dict) for row in metrics):
-        raise ModelFormatError(f"{path} is damaged: it has no list of metrics")
-    return metrics
+    document = read_json(path, format=FORMAT, version=VERSION)
+    with well_formed(f"{path} is damaged"):
+        return list(checked_metrics(document.get("metrics")))
 
 
 def read_agents(folder: Path, iteration: int, random_state: RandomState = None) -> Team:

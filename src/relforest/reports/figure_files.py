@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import math
 from os import PathLike
 from pathlib import Path
 from typing import Final
 
+import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from relforest.reports.style import styled
@@ -14,6 +16,10 @@ from relforest.support.errors import InputError
 from relforest.support.files import write_bytes
 
 SUFFIXES: Final = (".png", ".svg")
+
+_MOST_PIXELS: Final = 3e7
+# What Matplotlib's renderer allows.
+_MOST_ALONG: Final = 2**16 - 1
 
 # What Matplotlib would write into a file by itself; None keeps it out.
 _METADATA: Final[dict[str, dict[str, None]]] = {
@@ -58,5 +64,14 @@ def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
     suffix = Path(path).suffix.lower()
     stream = io.BytesIO()
     with styled():
-        figure.savefig(stream, format=suffix.removeprefix("."), metadata=_METADATA[suffix])
+        figure.savefig(
+            stream, format=suffix.removeprefix("."), dpi=_resolution(figure), metadata=_METADATA[suffix]
+        )
     write_bytes(path, stream.getvalue())
+
+
+def _resolution(figure: Figure) -> float:
+    """Return the pixels per inch, fewer than usual if the figure is so large that they would fill memory."""
+    width, height = map(float, figure.get_size_inches())
+    usual = float(mpl.rcParams["savefig.dpi"])
+    return min(usual, math.sqrt(_MOST_PIXELS / (width * height)), _MOST_ALONG / max(width, height))

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from relforest.reports.learning_figure import mean_and_deviation
-from relforest.rl.checkpoint import CHECKPOINT, FORMAT, METRIC_NAMES, VERSION
+from relforest.rl.checkpoint import CHECKPOINT, FORMAT, METRIC_NAMES, VERSION, checked_metrics
 from relforest.rl.policy_file import read_policy
 from relforest.rl.value import ValueFunction
-from relforest.support.errors import ModelFormatError
+from relforest.support.documents import well_formed
 from relforest.support.files import read_json
 from relforest.trees.text import describe
 
@@ -30,9 +30,9 @@ def run_report(folder: str | PathLike[str]) -> str:
         If a file is missing or malformed.
     """
     path = Path(folder) / CHECKPOINT
-    metrics = read_json(path, format=FORMAT, version=VERSION).get("metrics")
-    if not isinstance(metrics, list) or not all(isinstance(row, dict) for row in metrics):
-        raise ModelFormatError(f"{path} is damaged: it has no list of metrics")
+    document = read_json(path, format=FORMAT, version=VERSION)
+    with well_formed(f"{path} is damaged"):
+        metrics = checked_metrics(document.get("metrics"))
     return f"{metrics_table(metrics)}\n\n{trees_in_words(read_policy(folder))}"
 
 

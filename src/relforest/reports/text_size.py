@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from bisect import bisect_right
+from functools import cache, lru_cache
 from typing import Final, Literal
 
-from matplotlib.font_manager import FontProperties
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import text_to_path
 
 Weight = Literal["normal", "bold"]
 
 LINE_SPACING: Final = 1.25
 _POINTS_PER_INCH: Final = 72.0
+_FAMILY: Final = "DejaVu Sans"
+_UNKNOWN: Final = "\N{REPLACEMENT CHARACTER}"
+_LONGEST: Final = 1500
 
 
 @lru_cache(maxsize=4096)
 def text_width(text: str, size: float, weight: Weight = "normal") -> float:
     """Return the width in inches of one line of text, `size` points high."""
-    font = FontProperties(family="DejaVu Sans", weight=weight, size=size)
+    font = FontProperties(family=_FAMILY, weight=weight, size=size)
     width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
     return float(width) / _POINTS_PER_INCH
 
@@ -27,8 +31,20 @@ def line_height(size: float) -> float:
     return LINE_SPACING * size / _POINTS_PER_INCH
 
 
+def drawable(text: str) -> str:
+    """Return text with a mark in place of every character that the font cannot draw, line breaks included."""
+    known = _characters()
+    return "".join(letter if ord(letter) in known else _UNKNOWN for letter in text)
+
+
 def wrapped(text: str, width: float, size: float) -> list[str]:
-    """Break text into lines of at most `width` inches; a word longer than that is broken too."""
+    """Break text into drawable lines of at most `width` inches; a word longer than that is broken too.
+
+    Of very long text only the beginning is kept, with an ellipsis behind it.
+    """
+    text = drawable(" ".join(text.split()))
+    if len(text) > _LONGEST:
+        text = f"{text[:_LONGEST]}…"
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()
@@ -43,13 +59,20 @@ def wrapped(text: str, width: float, size: float) -> list[str]:
 
 
 def shortened(text: str, width: float, size: float, weight: Weight = "normal") -> str:
-    """Return text that fits into `width` inches, with an ellipsis where its end is missing."""
+    """Return drawable text that fits into `width` inches, with an ellipsis where its end is missing."""
+    text = drawable(text[:_LONGEST])
     if text_width(text, size, weight) <= width:
         return text
-    kept = text
-    while kept and text_width(f"{kept}…", size, weight) > width:
-        kept = kept[:-1]
-    return f"{kept.rstrip()}…"
+    kept = bisect_right(
+        range(len(text)), width, key=lambda count: text_width(f"{text[:count]}…", size, weight)
+    )
+    return f"{text[: max(kept - 1, 0)].rstrip()}…"
+
+
+@cache
+def _characters() -> frozenset[int]:
+    """Return the code points that the font has."""
+    return frozenset(get_font(findfont(FontProperties(family=_FAMILY))).get_charmap())
 
 
 def _pieces(word: str, width: float, size: float) -> list[str]:

@@ -6,6 +6,7 @@ Compare Figures 4.1 and 7.6 of Palmer (2015).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -19,7 +20,7 @@ from relforest.reports.page_layout import MARGIN, Page, arrange
 from relforest.reports.question_panel import PANEL_WIDTH, draw_panel, panel_height
 from relforest.reports.question_points import QuestionPoints, question_points
 from relforest.reports.style import GREY, NEGATIVE, POSITIVE, styled
-from relforest.reports.text_size import Weight, line_height, text_width
+from relforest.reports.text_size import Weight, line_height, shortened, text_width
 from relforest.reports.tree_layout import Layout, lay_out
 from relforest.reports.tree_path import TreePath, tree_path, witness_names
 from relforest.scenes import Scenes
@@ -30,6 +31,11 @@ from relforest.trees import Question, Tree
 _TITLE: Final = 11.0
 _SUBTITLE: Final = 8.5
 _LEGEND_HEIGHT: Final = 0.22
+_WIDEST_HEAD: Final = 14.0
+MOST_NODES: Final = 400
+"""Nodes of the largest tree that is drawn."""
+MOST_PANELS: Final = 24
+"""Questions whose decision volumes are drawn; of larger trees, those are the first ones."""
 
 
 def tree_figure(
@@ -60,13 +66,19 @@ def tree_figure(
     Returns
     -------
     matplotlib.figure.Figure
-        As large as the tree needs.
+        As large as the tree needs. The decision volumes of more than `MOST_PANELS` questions are not drawn.
 
     Raises
     ------
     InputError
-        If scenes come without labels or do not fit the tree, or more than one scene is to be highlighted.
+        If the tree has more than `MOST_NODES` nodes, scenes come without labels or do not fit the tree, or
+        more than one scene is to be highlighted.
     """
+    if len(tree.nodes) > MOST_NODES:
+        raise InputError(
+            f"the tree has {len(tree.nodes)} nodes, too many for a picture, which may have {MOST_NODES}: "
+            "print the tree in words instead"
+        )
     if (scenes is None) != (labels is None):
         raise InputError("scenes and labels belong together: pass both or neither")
     if scenes is not None:
@@ -76,23 +88,24 @@ def tree_figure(
     questions = {index: node for index, node in enumerate(tree.nodes) if isinstance(node, Question)}
     names = {index: f"Q{number}" for number, index in enumerate(questions, start=1)}
     texts = node_texts(tree, names, path)
+    shown = dict(islice(questions.items(), MOST_PANELS))
     layout = lay_out(tree.nodes, [text.size for text in texts])
     head = _head(tree, title, path)
-    panel = (PANEL_WIDTH, panel_height([question.volume for question in questions.values()]))
-    page = arrange(
-        (layout.width, layout.height), panel, len(questions), head=_size(head, legend=bool(points))
-    )
+    if len(shown) < len(questions):
+        head.append((f"decision volumes of the first {len(shown)} of {len(questions)} questions", _SUBTITLE))
+    panel = (PANEL_WIDTH, panel_height([question.volume for question in shown.values()]))
+    page = arrange((layout.width, layout.height), panel, len(shown), head=_size(head, legend=bool(points)))
     with styled():
         figure = Figure(figsize=(page.width, page.height))
         _draw_head(figure, page, head, legend=bool(points))
         draw_tree(_tree_axes(figure, page, layout), tree, texts, layout, path)
-        for (index, question), place in zip(questions.items(), page.panels, strict=True):
+        for (index, question), place in zip(shown.items(), page.panels, strict=True):
             witness = None if path is None else path.points.get(index)
             draw_panel(figure, page, place, (names[index], question), points.get(index), witness)
     return figure
 
 
-def _head(tree: Tree, title: str, path: TreePath | None) -> Sequence[tuple[str, float]]:
+def _head(tree: Tree, title: str, path: TreePath | None) -> list[tuple[str, float]]:
     """Return the lines above the tree, each with its size."""
     n_questions = sum(isinstance(node, Question) for node in tree.nodes)
     counted = f"{n_questions} question{'' if n_questions == 1 else 's'}"
@@ -103,7 +116,7 @@ def _head(tree: Tree, title: str, path: TreePath | None) -> Sequence[tuple[str, 
         lines.append((f"scene {path.scene_id}: probability {decided} (leaf {path.leaf})", _SUBTITLE))
         if path.witnesses:
             lines.append((", ".join(witness_names(tree, path)), _SUBTITLE))
-    return lines
+    return [(shortened(text, _WIDEST_HEAD, size, _weight(size)), size) for text, size in lines]
 
 
 def _size(head: Sequence[tuple[str, float]], *, legend: bool) -> tuple[float, float]:

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from relforest.mappings import Mapping
 from relforest.reports.question_points import QuestionPoints
 from relforest.reports.style import GREY, INK, NEGATIVE, PAPER, POSITIVE, mixed
+from relforest.reports.text_size import shortened
 from relforest.volumes import Arc, Ellipsoid, Volume
+from relforest.volumes.ellipsoid import LARGEST_VALUE
 
 MOST_POINTS: Final = 400
 """Most points of either class in a picture."""
@@ -21,6 +23,11 @@ MOST_POINTS: Final = 400
 _FILL: Final = mixed("#F0E442", 0.45)
 _FILL_EDGE: Final = "#8A7F00"
 _BINS: Final = 24
+_LABEL_WIDTH: Final = 2.0
+_LABEL: Final = 7.5
+# In units of what is shown: the renderer fails on shapes that reach much farther.
+_FAR: Final = 1e4
+_GRID: Final = 300
 
 Points = NDArray[np.float64]
 
@@ -45,10 +52,14 @@ def draw_volume(
     points : QuestionPoints, optional
         What the question sees; positive and negative scenes differ in colour.
     witness : (d,) float64, optional
-        A point to be marked; ignored if it is undefined.
+        A point to be marked; ignored if it is undefined or beyond any that can be learned from.
     """
-    if witness is not None and np.isnan(witness).any():
+    # The negated test also finds what is undefined.
+    if witness is not None and not (np.abs(witness) <= LARGEST_VALUE).all():
         witness = None
+    if points is not None:
+        tame = (np.abs(points.points) <= LARGEST_VALUE).all(axis=1)
+        points = QuestionPoints(points.points[tame], points.positive[tame])
     if isinstance(volume, Arc):
         _draw_arc(axes, volume, points, witness)
     elif volume.dim == 2:
@@ -60,9 +71,10 @@ def draw_volume(
         mean = float(volume.mean[0])
         _draw_interval(axes, (mean - half, mean + half), points, witness)
         axes.axvline(mean, color=_FILL_EDGE, linewidth=1.0, linestyle="--", zorder=1)
-        if mapping.operation == "distance":
-            axes.set_xlim(left=max(0.0, axes.get_xlim()[0]))
-        axes.set_xlabel(mapping.name, labelpad=1.0, parse_math=False)
+        left, right = axes.get_xlim()
+        if mapping.operation == "distance" and right > 0.0:
+            axes.set_xlim(left=max(0.0, left))
+        axes.set_xlabel(shortened(mapping.name, _LABEL_WIDTH, _LABEL), labelpad=1.0, parse_math=False)
     else:
         scaled = None
         if points is not None:
@@ -83,24 +95,48 @@ def _draw_ellipse(
     axes: Axes, volume: Ellipsoid, points: QuestionPoints | None, witness: Points | None
 ) -> None:
     long, short = volume.axes
+    half = np.hypot(long, short)
+    low, high = _window(volume.mean, half, None if points is None else points.points, witness)
+    _show_undistorted(axes, low, high)
+    low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
+    if np.linalg.norm(long) > _FAR * (high - low).max():
+        _fill_inside(axes, volume, low, high)
+    else:
+        _add_ellipse(axes, volume)
+    if points is not None:
+        _scatter(axes, _near(points, low, high).thinned(MOST_POINTS, volume))
+    if witness is not None:
+        _star(axes, float(witness[0]), float(witness[1]))
+
+
+def _add_ellipse(axes: Axes, volume: Ellipsoid) -> None:
+    long, _ = volume.axes
     size = 2 * np.linalg.norm(volume.axes, axis=1)
     center = (float(volume.mean[0]), float(volume.mean[1]))
     angle = math.degrees(math.atan2(long[1], long[0]))
     shape = {"xy": center, "width": size[0], "height": size[1], "angle": angle}
     axes.add_patch(Ellipse(**shape, facecolor=_FILL, edgecolor="none", zorder=0.5))
-    if points is not None:
-        _scatter(axes, points.thinned(MOST_POINTS, volume))
     axes.add_patch(Ellipse(**shape, facecolor="none", edgecolor=_FILL_EDGE, linewidth=1.4, zorder=3))
-    for axis in (long, short):
+    for axis in volume.axes:
         end = (center[0] + axis[0], center[1] + axis[1])
         arrow = FancyArrowPatch(center, end, arrowstyle="-|>", mutation_scale=8.0, shrinkA=0.0, shrinkB=0.0)
         arrow.set(color=INK, linewidth=1.0, zorder=4)
         axes.add_patch(arrow)
-    if witness is not None:
-        _star(axes, float(witness[0]), float(witness[1]))
-    half = np.hypot(long, short)
-    low, high = _window(volume.mean, half, None if points is None else points.points, witness)
-    _show_undistorted(axes, low, high)
+
+
+def _fill_inside(axes: Axes, volume: Ellipsoid, low: Points, high: Points) -> None:
+    """Fill what lies inside an ellipse that reaches much farther than the picture."""
+    x, y = np.linspace(low, high, _GRID).T
+    inside = volume.contains(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(_GRID, _GRID)
+    image = np.where(inside[:, :, None], _FILL, (1.0, 1.0, 1.0))
+    extent = (low[0], high[0], low[1], high[1])
+    axes.imshow(image, extent=extent, origin="lower", aspect="auto", zorder=0.5)
+
+
+def _near(points: QuestionPoints, low: Points, high: Points) -> QuestionPoints:
+    """Return the points that the renderer can place: those not too far from what is shown."""
+    near = (np.abs(points.points - (low + high) / 2) <= _FAR * (high - low)).all(axis=1)
+    return QuestionPoints(points.points[near], points.positive[near])
 
 
 def _show_undistorted(axes: Axes, low: Points, high: Points) -> None:
@@ -138,8 +174,10 @@ def _window(
         high = np.where(huge, around[1], np.maximum(high, around[1]))
     if witness is not None:
         low, high = np.minimum(low, witness - 0.1 * half), np.maximum(high, witness + 0.1 * half)
-    flat = high - low <= 0.0
-    return np.where(flat, low - 0.5, low), np.where(flat, high + 0.5, high)
+    # What is far from 0 must not be shown so narrowly that its bounds are the same number.
+    size = np.maximum(np.abs(low), np.abs(high))
+    flat, room = high - low <= 1e-9 * size, np.maximum(0.5, 1e-6 * size)
+    return np.where(flat, low - room, low), np.where(flat, high + room, high)
 
 
 def _scatter(axes: Axes, points: QuestionPoints) -> None:
@@ -161,9 +199,11 @@ def _draw_interval(
     witness: Points | None,
 ) -> None:
     """Draw an interval over a histogram: positive scenes upwards, negative ones downwards."""
-    axes.axvspan(*interval, facecolor=_FILL, edgecolor=_FILL_EDGE, linewidth=1.2, zorder=0.5)
     middle, half = np.array([np.mean(interval)]), np.array([(interval[1] - interval[0]) / 2])
     low, high = _window(middle, half, None if points is None else points.points, witness, surroundings=5.0)
+    reach = _FAR * (high[0] - low[0])
+    begin, end = (min(max(bound, low[0] - reach), high[0] + reach) for bound in interval)
+    axes.axvspan(begin, end, facecolor=_FILL, edgecolor=_FILL_EDGE, linewidth=1.2, zorder=0.5)
     axes.set_xlim(low[0], high[0])
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set_yticks([])
@@ -225,4 +265,4 @@ def _draw_arc(axes: Axes, volume: Arc, points: QuestionPoints | None, witness: P
 def _axis_name(mapping: Mapping, component: int) -> str:
     if mapping.arity == 3:
         return ("along", "across")[component]
-    return f"{mapping.attribute.name} {component + 1}"
+    return f"{shortened(mapping.attribute.name, _LABEL_WIDTH - 0.3, _LABEL)} {component + 1}"

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import reprlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,8 @@ from relforest.rl.policy_file import (
     write_tree,
 )
 from relforest.rl.value import ValueFunction
+from relforest.scenes.arrays import FloatArray
+from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError, RunFolderError
 from relforest.support.files import (
     is_temporary,
@@ -181,18 +184,12 @@ class RunFolder:
         """
         path = self._path / CHECKPOINT
         document = read_json(path, format=FORMAT, version=VERSION)
-        try:
-            metrics = tuple(_row(number, row) for number, row in enumerate(document["metrics"]))
-            weights = {
-                name: np.array(vector, dtype=np.float64) for name, vector in document["weights"].items()
-            }
+        with well_formed(f"{path} is damaged", "restore it from a copy or start again in another folder"):
+            metrics = checked_metrics(document["metrics"])
+            weights = {name: _vector(name, vector) for name, vector in document["weights"].items()}
             configuration, policy = dict(document["configuration"]), dict(document["policy"])
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise ModelFormatError(
-                f"{path} is damaged ({error!r}); restore it from a copy or start again in another folder"
-            ) from error
-        if not metrics or document.get("iteration") != len(metrics) - 1:
-            raise ModelFormatError(f"{path} is damaged: its metrics do not end with its iteration")
+            if document.get("iteration") != len(metrics) - 1:
+                raise ModelFormatError("its metrics do not end with its iteration")
         value, names = rebuild(policy, weights, self._path, str(path))
         batches = tuple(self._read_batch(number, value) for number in range(1, len(metrics)))
         return Progress(value, names, metrics, batches), configuration
@@ -262,11 +259,30 @@ def _named_trees(progress: Progress) -> Iterator[tuple[str, Any]]:
         yield from zip(names, trees, strict=True)
 
 
+def _vector(name: str, numbers: object) -> FloatArray:
+    if not isinstance(numbers, list) or not all(type(number) in (int, float) for number in numbers):
+        raise ModelFormatError(f"the weights {reprlib.repr(name)} must be a list of numbers")
+    return np.array(numbers, dtype=np.float64)
+
+
+def checked_metrics(rows: object) -> tuple[Row, ...]:
+    """Check the metrics of a run: at least one row, rows numbered from 0, with the keys `METRIC_NAMES`.
+
+    Raises
+    ------
+    ModelFormatError
+        If they are not so.
+    """
+    if not isinstance(rows, list) or not rows:
+        raise ModelFormatError("the list of metrics is missing")
+    return tuple(_row(number, row) for number, row in enumerate(rows))
+
+
 def _row(number: int, row: object) -> Row:
     if not isinstance(row, dict) or tuple(row) != METRIC_NAMES or row["iteration"] != number:
-        raise ValueError(f"row {number} of the metrics must have the keys {', '.join(METRIC_NAMES)}")
+        raise ModelFormatError(f"row {number} of the metrics must have the keys {', '.join(METRIC_NAMES)}")
     for name, entry in row.items():
         absent = name == "train_reward" and number == 0 and entry is None
-        if not absent and (isinstance(entry, bool) or not isinstance(entry, (int, float))):
-            raise TypeError(f"{name} of row {number} must be a number")
+        if not absent and type(entry) not in (int, float):
+            raise ModelFormatError(f"{name} of row {number} of the metrics must be a number")
     return dict(row)

@@ -11,7 +11,8 @@ import numpy as np
 from relforest.rl.rollout import Environment, world_of
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
-from relforest.support.errors import InputError, ModelFormatError, RunFolderError
+from relforest.support.documents import well_formed
+from relforest.support.errors import InputError, RunFolderError
 
 
 def describe_run(
@@ -40,12 +41,10 @@ def restore_run(configuration: Mapping[str, Any], folder: Path) -> tuple[np.rand
     ModelFormatError
         If they are missing or malformed; `folder` says where.
     """
-    try:
+    with well_formed(f"the checkpoint in {folder} is damaged"):
         stored = configuration["random_state"]
         seed = np.random.SeedSequence(stored["entropy"], spawn_key=tuple(stored["spawn_key"]))
         return seed, RPISettings.from_dict(configuration["settings"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise ModelFormatError(f"the checkpoint in {folder} is damaged: {error!r}") from error
 
 
 def check_configuration(there: Mapping[str, Any], here: Mapping[str, Any], folder: Path) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.smdp import UNBOUND
+from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import InputError, ModelFormatError
 
 BoolArray = NDArray[np.bool_]
@@ -60,7 +61,8 @@ class Experience:
     Raises
     ------
     InputError
-        If a shape or type is wrong, a number points outside its table, or a reward or duration is not finite.
+        If a shape or type is wrong, a number points outside its table, a duration is negative, or a value is
+        infinite or beyond 1e100.
 
     References
     ----------
@@ -209,7 +211,15 @@ def _column(name: str, values: NDArray[Any], kind: type[Any], ndim: int) -> NDAr
 
 
 def _check_offsets(name: str, offsets: IntArray, end: int) -> None:
-    if len(offsets) == 0 or offsets[0] != 0 or offsets[-1] != end or (np.diff(offsets) < 0).any():
+    # Bounded before differences are taken, which could overflow.
+    bounded = (
+        len(offsets)
+        and offsets[0] == 0
+        and offsets[-1] == end
+        and offsets.min() == 0
+        and offsets.max() == end
+    )
+    if not bounded or (np.diff(offsets) < 0).any():
         raise InputError(f"{name} must be offsets that rise from 0 to {end}")
 
 
@@ -251,8 +261,16 @@ def _check_numbers(experience: Experience) -> None:
     n_objects = np.repeat(n_objects, np.diff(experience.candidates))
     if ((experience.arguments < UNBOUND) | (experience.arguments >= n_objects[:, None])).any():
         raise InputError("arguments must be positions of objects in their state, or -1 for none")
-    if np.isinf(experience.matrix).any():
-        raise InputError("matrix holds an infinite value; use NaN for undefined values")
+    if (np.abs(experience.matrix) > LARGEST_NUMBER).any():
+        raise InputError(
+            f"matrix holds an infinite value, or one beyond {LARGEST_NUMBER:g}; use NaN for undefined values"
+        )
     for name in ("rewards", "durations", "episode_rewards", "episode_durations"):
-        if not np.isfinite(getattr(experience, name)).all():
-            raise InputError(f"{name} must be finite; check the rewards and durations of the world")
+        least = 0.0 if name.endswith("durations") else -LARGEST_NUMBER
+        values: FloatArray = getattr(experience, name)
+        # The negated test also catches NaN.
+        if not ((values >= least) & (values <= LARGEST_NUMBER)).all():
+            raise InputError(
+                f"{name} must be finite, from {least:g} to {LARGEST_NUMBER:g}; "
+                "check the rewards and durations of the world"
+            )

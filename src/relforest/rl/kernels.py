@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.jit import kernel
-from relforest.trees.kernels import BEST_PATH, QueryWork, query_scene
+from relforest.trees.kernels import (
+    BEST_PATH,
+    MOST_STEPS,
+    PAUSE,
+    STEPS,
+    UNFINISHED,
+    QueryWork,
+    query_scene,
+)
 
 
 @kernel
@@ -48,20 +56,29 @@ def forest_values(
     arguments: NDArray[np.int64],
     work: QueryWork,
     out: NDArray[np.float64],
-) -> None:
+    place: NDArray[np.int64],
+) -> bool:
     """Write the value of each action of one type in one state to `out` (m,).
+
+    Returns whether all is done. If not, `place` (2,), the action and tree to begin with, has moved on; called
+    again with it, the computation continues.
 
     `matrix` (n_rows, width) holds the attribute values, `objects` (n_objects,) the rows of the objects that
     all actions share, and `arguments` (m, arity) the rows bound by each action, whether or not they are
     shared; `work` comes from `query_work` with the forest's sizes.
     """
-    for i in range(len(out)):
-        value = forest.bias
-        for tree in range(len(forest.trees)):
+    work.integers[PAUSE, STEPS] = MOST_STEPS
+    for i in range(place[0], len(out)):
+        value = forest.bias if place[1] == 0 else out[i]
+        for tree in range(place[1], len(forest.trees)):
             root, first_leaf = forest.trees[tree]
             leaf = query_scene(forest.nodes, forest.numbers, root, matrix, objects, arguments[i], work)
+            if leaf == UNFINISHED:
+                out[i], place[0], place[1] = value, i, tree
+                return False
             start, n_densities = forest.leaves[first_leaf + leaf]
             value += forest.added[start]
             for j in range(n_densities):
                 value += forest.added[start + 1 + j] * math.exp(work.numbers[BEST_PATH, j])
-        out[i] = value
+        out[i], place[1] = value, 0
+    return True

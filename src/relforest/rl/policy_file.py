@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -19,7 +20,8 @@ from relforest.rl.value import ValueFunction
 from relforest.scenes import Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.smdp import ActionType
-from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.documents import well_formed
+from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, read_npz, write_json, write_npz
 from relforest.trees import Tree
 from relforest.trees.tree import FORMAT as TREE_FORMAT
@@ -30,6 +32,7 @@ VERSION: Final = 1
 POLICY: Final = "policy.json"
 WEIGHTS: Final = "weights.npz"
 TREES: Final = "trees"
+MAX_ACTIONS: Final = 1000
 
 TreeNames = tuple[tuple[str, ...], ...]
 """For each action type the file names of its trees."""
@@ -65,19 +68,22 @@ def rebuild(
     ModelFormatError
         If a part is missing or malformed, or the parts do not fit together.
     """
-    try:
+    with well_formed(f"{origin} does not describe a policy"):
         schema = Schema.from_dict(document["schema"])
         actions = [dict(entry) for entry in document["actions"]]
-        kinds = tuple(ActionType(entry["name"], tuple(entry["parameters"])) for entry in actions)
-        names = tuple(tuple(map(_file_name, entry["trees"])) for entry in actions)
+        if len(actions) > MAX_ACTIONS:
+            raise ModelFormatError(
+                f"{len(actions)} action types are too many: at most {MAX_ACTIONS} are allowed"
+            )
+        kinds = tuple(ActionType(entry["name"], _listed(entry, "parameters")) for entry in actions)
+        names = tuple(tuple(map(_file_name, _listed(entry, "trees"))) for entry in actions)
+        (repeated, count), *_ = Counter(name for own in names for name in own).most_common(1) or [("", 0)]
+        if count > 1:
+            raise ModelFormatError(f"it lists the tree {repeated!r:.100} {count} times")
         features: FeatureMode = document["features"]
         vectors = tuple(weights[entry["weights"]] for entry in actions)
         forests = tuple(tuple(_read_tree(folder / TREES / name) for name in own) for own in names)
         return ValueFunction(schema, kinds, features, forests, vectors), names
-    except ModelFormatError:
-        raise
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ModelFormatError(f"{origin} does not describe a policy: {error!r}") from error
 
 
 def write_policy(
@@ -143,11 +149,9 @@ def _read_parts(folder: Path) -> ValueFunction | None:
     """Read a policy; None if its two files are sound, but of different iterations."""
     path = folder / POLICY
     document = read_json(path, format=FORMAT, version=VERSION)
-    try:
+    with well_formed(f"{path} does not describe a policy"):
         names = [str(entry["weights"]) for entry in document["actions"]]
-        iteration = int(document["iteration"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise ModelFormatError(f"{path} does not describe a policy: {error!r}") from error
+        iteration = document["iteration"]
     arrays = read_npz(folder / WEIGHTS, ["iteration", *names])
     if not np.array_equal(arrays["iteration"], iteration):
         return None
@@ -156,14 +160,20 @@ def _read_parts(folder: Path) -> ValueFunction | None:
 
 def _read_tree(path: Path) -> Tree:
     document = read_json(path, format=TREE_FORMAT, version=TREE_VERSION)
-    try:
+    with well_formed(f"{path} is no valid tree"):
         return Tree.from_dict(document)
-    except (ModelFormatError, InputError) as error:
-        raise ModelFormatError(f"{path} is no valid tree: {error}") from error
+
+
+def _listed(entry: Mapping[str, Any], key: str) -> tuple[Any, ...]:
+    if not isinstance(entry[key], list):
+        raise ModelFormatError(f"{key} must be a list, got {entry[key]!r:.100}")
+    return tuple(entry[key])
 
 
 def _file_name(name: object) -> str:
     # A model from elsewhere must not make us read files outside its folder.
-    if not isinstance(name, str) or not re.fullmatch(r"\w[\w.-]*\.json", name):
-        raise ModelFormatError(f"{name!r} is no file name of a tree; expected one such as 0001-left-1.json")
+    if not isinstance(name, str) or not re.fullmatch(r"\w[\w.-]{,200}\.json", name):
+        raise ModelFormatError(
+            f"{name!r:.100} is no file name of a tree; expected one such as 0001-left-1.json"
+        )
     return name

@@ -19,6 +19,7 @@ from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.smdp import ActionType, Decision
+from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
 from relforest.trees import Tree
@@ -47,7 +48,7 @@ class ValueFunction:
     Raises
     ------
     InputError
-        If the parts do not fit together, or a weight is not finite.
+        If the parts do not fit together, or a weight is not finite or beyond 1e100.
 
     References
     ----------
@@ -108,7 +109,10 @@ class ValueFunction:
                 continue
             out = np.empty(len(chosen))
             arguments = decision.arguments[chosen, : action_type.arity]
-            forest_values(forest, decision.objects, shared, arguments, query_work(*forest.sizes), out)
+            work, place = query_work(*forest.sizes), np.zeros(2, dtype=np.int64)
+            # Between two calls Python can be interrupted.
+            while not forest_values(forest, decision.objects, shared, arguments, work, out, place):
+                pass
             values[chosen] = out
         return values
 
@@ -124,9 +128,11 @@ class ValueFunction:
                 f"a tree of action type {name!r} is for scenes with another schema than {schema}"
             )
         columns = 1 + sum(width(tree, self.features) for tree in trees)
-        if weights.shape != (columns,) or not np.isfinite(weights).all():
+        # The negated test also catches NaN.
+        if weights.shape != (columns,) or not (np.abs(weights) <= LARGEST_NUMBER).all():
             raise InputError(
-                f"action type {name!r} needs {columns} finite weights for its bias and {len(trees)} trees, "
+                f"action type {name!r} needs {columns} finite weights, at most {LARGEST_NUMBER:g}, "
+                f"for its bias and {len(trees)} trees, "
                 f"got the shape {weights.shape}"
             )
 

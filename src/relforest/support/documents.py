@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 import reprlib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Final
 
 from relforest.support.errors import ModelFormatError
@@ -81,6 +82,28 @@ def check_values(document: object, origin: str) -> None:
 def is_clean(text: str) -> bool:
     """Return whether text can be stored and shown: see `check_values`."""
     return len(text) <= LONGEST_TEXT and not _UNCLEAN.search(text)
+
+
+@contextmanager
+def well_formed(complaint: str, remedy: str = "") -> Iterator[None]:
+    """Turn whatever a ``with`` block raises on a document of an unexpected form into a `ModelFormatError`.
+
+    Parameters
+    ----------
+    complaint : str
+        Names the document, such as ``"model.json is damaged"``.
+    remedy : str
+        What to do, for the end of the message.
+    """
+    end = f"; {remedy}" if remedy else ""
+    try:
+        yield
+    except KeyError as error:
+        raise ModelFormatError(
+            f"{complaint}: the key {reprlib.repr(error.args[0])} is missing{end}"
+        ) from error
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise ModelFormatError(f"{complaint}: {str(error) or type(error).__name__:.500}{end}") from error
 
 
 def without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

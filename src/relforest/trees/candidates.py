@@ -15,6 +15,7 @@ from relforest.trees.packing import pack
 from relforest.trees.probabilities import Assignment, assign
 from relforest.trees.sequences import Sequences, n_extensions, rows_of
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
+from relforest.trees.structure import MAX_VARIABLES
 from relforest.volumes import Volume, aggregate
 from relforest.volumes.settings import CovAggSettings
 
@@ -170,8 +171,8 @@ def prepare(
 ) -> tuple[list[PreparedQuestion], int]:
     """Prepare every expansion of a leaf.
 
-    Returns those that have points, and the number left out because of `max_points`. Expansions whose
-    every point is undefined are dropped: there is nothing to ask.
+    Returns those that have points, and the number left out because of `max_points` or because a branch may
+    bind no more variables. Expansions whose every point is undefined are dropped: there is nothing to ask.
     """
     prepared: list[PreparedQuestion] = []
     extended = [at_leaf]
@@ -192,6 +193,8 @@ def prepare(
 
 
 def _too_many(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64], max_points: int) -> bool:
+    if sequences.depth == MAX_VARIABLES:
+        return True
     return n_extensions(sequences.scene, sequences.objects, scenes.counts, places) > max_points
 
 

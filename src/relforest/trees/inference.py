@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from threading import Event
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -47,6 +48,8 @@ class Answers:
 def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
     """Ask a tree about every scene of a batch.
 
+    The time grows exponentially with the number of variables; it can be interrupted (Ctrl-C) at any time.
+
     Parameters
     ----------
     tree : Tree
@@ -71,16 +74,16 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
         np.empty((n, packed.n_variables), dtype=np.int64),
     )
 
+    interrupted = Event()
+
     def answer(begin: int, end: int) -> None:
         part = slice(begin, end)
-        query_batch(
-            packed.nodes,
-            packed.numbers,
-            scenes.matrix,
-            (scenes.rows, scenes.starts[part], scenes.counts[part], scenes.arguments[part]),
-            query_work(packed.n_variables, packed.n_asked, packed.n_dims),
-            (out[0][part], out[1][part], out[2][part]),
-        )
+        work = query_work(packed.n_variables, packed.n_asked, packed.n_dims)
+        columns = (scenes.rows, scenes.starts[part], scenes.counts[part], scenes.arguments[part])
+        results = (out[0][part], out[1][part], out[2][part])
+        done = 0
+        while done < end - begin and not interrupted.is_set():
+            done = query_batch(packed.nodes, packed.numbers, scenes.matrix, columns, done, work, results)
 
     n_jobs = checked_jobs(n_jobs)
     bounds = np.linspace(0, n, n_jobs + 1).astype(int)
@@ -88,5 +91,9 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
         answer(0, n)
     else:
         with ThreadPoolExecutor(n_jobs) as pool:
-            list(pool.map(answer, bounds[:-1], bounds[1:]))
+            try:
+                list(pool.map(answer, bounds[:-1], bounds[1:]))
+            finally:
+                # Leaving the block waits for all threads.
+                interrupted.set()
     return Answers(*out)

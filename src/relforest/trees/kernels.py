@@ -37,11 +37,24 @@ WITNESSES: Final = 1
 _NODE: Final = 2
 _ASKED: Final = 3
 _CURSOR: Final = 4
+PAUSE: Final = 5
 
 _PATH: Final = 0
 BEST_PATH: Final = 1
 _TOTAL: Final = 2
 _POINT: Final = 3
+_TOTALS: Final = 4
+
+# Places in the row `PAUSE`; behind them stands where the search paused.
+STEPS: Final = 0
+_PAUSED: Final = 1
+_STANDS: Final = 2
+_N_STANDS: Final = 5
+
+MOST_STEPS: Final = 200_000
+"""Nodes visited in one call, some milliseconds: between calls Python can be interrupted."""
+
+UNFINISHED: Final = -1
 
 
 class QueryWork(NamedTuple):
@@ -49,19 +62,22 @@ class QueryWork(NamedTuple):
 
     Results: ``integers[WITNESSES]``, the object rows of the most representative sequence (-1 = none),
     and ``numbers[BEST_PATH]``, the logarithm of its density at each question on its branch, root
-    first (-inf = error, and beyond the branch).
+    first (-inf = error, and beyond the branch). ``integers[PAUSE, STEPS]`` is how many nodes may still be
+    visited before the search pauses; the rest of that row, and a row of `numbers`, is where it stands then.
     """
 
-    integers: NDArray[np.int64]  # (5, n_variables)
-    numbers: NDArray[np.float64]  # (4, max(questions on a branch, n_variables, n_dims))
+    integers: NDArray[np.int64]  # (6, n_variables)
+    numbers: NDArray[np.float64]  # (5, max(questions on a branch, n_variables, n_dims))
 
 
 def query_work(n_variables: int, n_asked: int, n_dims: int) -> QueryWork:
     """Buffers large enough for trees of these sizes."""
-    return QueryWork(
-        np.full((5, max(n_variables, 1)), -1, dtype=np.int64),
-        np.zeros((4, max(n_asked, n_variables, n_dims, 1))),
+    work = QueryWork(
+        np.full((6, max(n_variables, _STANDS + _N_STANDS)), -1, dtype=np.int64),
+        np.zeros((5, max(n_asked, n_variables, n_dims, 2))),
     )
+    work.integers[PAUSE] = 0
+    return work
 
 
 @inlined
@@ -112,19 +128,26 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
 ) -> int:
     """Ordinal of the leaf that decides a scene; see `QueryWork` for what else is found.
 
-    Of all instantiation sequences those in the most probable leaf count, and of these the one with
-    the largest product of densities (sections 4.1 and 6.4). Branches that cannot reach a leaf as
-    probable as the best so far are skipped. The first variables belong to the action's arguments;
-    later ones go through all objects not yet in the sequence, or are bound to "no object" once if
-    there is none.
+    Of all instantiation sequences those in the most probable leaf count, and of these the one with the
+    largest product of densities (sections 4.1 and 6.4). Branches that cannot reach a leaf as probable as
+    the best so far are skipped. The first variables belong to the action's arguments; later ones go
+    through all objects not yet in the sequence, or are bound to "no object" once if there is none.
 
-    `nodes` and `numbers` hold one or several packed trees, the one to ask at row `root`; `objects`
-    and `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`.
+    `nodes` and `numbers` hold one or several packed trees, the one to ask at row `root`; `objects` and
+    `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`. When no steps are left,
+    the search pauses and returns `UNFINISHED`; called again with the same arguments, it continues.
     """
     state, floats = work.integers, work.numbers
-    winner, best_rank, best_total = -1, nodes.shape[0], -np.inf
-    node, depth, asked, total = root, 0, 0, 0.0
+    winner, best_rank, node, depth, asked = -1, nodes.shape[0], root, 0, 0
+    best_total, total = -np.inf, 0.0
+    steps = state[PAUSE, STEPS]
+    if state[PAUSE, _PAUSED] == 1:
+        (winner, best_rank, node, depth, asked), (best_total, total) = _resume(state, floats)
     while True:
+        if steps == 0:
+            _pause(state, floats, (winner, best_rank, node, depth, asked), (best_total, total))
+            return UNFINISHED
+        steps -= 1
         kind = nodes[node, KIND]
         if kind == QUESTION:
             a, b, c = nodes[node, VARIABLES], nodes[node, VARIABLES + 1], nodes[node, VARIABLES + 2]
@@ -142,18 +165,16 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
             floats[_TOTAL, depth] = total
             depth += 1
         elif nodes[node, RANK] < best_rank or total > best_total:
-            best_rank, best_total = nodes[node, RANK], total
-            winner = nodes[node, ORDINAL]
+            winner, best_rank, best_total = nodes[node, ORDINAL], nodes[node, RANK], total
             _remember(state, floats, depth, asked)
-        # Go on with the next object of the innermost variable that has one left. This stands here
-        # rather than in a function of its own because a third of the speed depends on it.
+        # Go on with the next object of the innermost variable that has one left. This is not a function
+        # because a third of the speed depends on it.
         while depth > 0:
             variable = depth - 1
             above, place = state[_NODE, variable], state[_CURSOR, variable]
             found = place < 0
             if variable < len(arguments):
-                state[BOUND, variable] = arguments[variable]
-                state[_CURSOR, variable] = 0
+                state[BOUND, variable], state[_CURSOR, variable] = arguments[variable], 0
             else:
                 place += 1
                 while place < len(objects):
@@ -163,18 +184,42 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
                     if not repeated:
                         break
                     place += 1
-                state[BOUND, variable] = -1
-                state[_CURSOR, variable] = place
+                state[BOUND, variable], state[_CURSOR, variable] = -1, place
                 if place < len(objects):
                     state[BOUND, variable] = objects[place]
                     found = True
             if found:
-                node, asked = nodes[above, CHILDREN], state[_ASKED, variable]
-                total = floats[_TOTAL, variable]
+                node = nodes[above, CHILDREN]
+                asked, total = state[_ASKED, variable], floats[_TOTAL, variable]
                 break
             depth -= 1
         if depth == 0:
+            state[PAUSE, STEPS] = steps
             return winner
+
+
+@kernel
+def _pause(
+    state: NDArray[np.int64],
+    floats: NDArray[np.float64],
+    stands: tuple[int, int, int, int, int],
+    totals: tuple[float, float],
+) -> None:
+    """Note where a search stands for which no steps are left."""
+    state[PAUSE, STEPS], state[PAUSE, _PAUSED] = 0, 1
+    for i in range(_N_STANDS):
+        state[PAUSE, _STANDS + i] = stands[i]
+    floats[_TOTALS, 0], floats[_TOTALS, 1] = totals
+
+
+@kernel
+def _resume(
+    state: NDArray[np.int64], floats: NDArray[np.float64]
+) -> tuple[tuple[int, int, int, int, int], tuple[float, float]]:
+    """Return what `_pause` noted."""
+    state[PAUSE, _PAUSED] = 0
+    at = state[PAUSE, _STANDS:]
+    return (at[0], at[1], at[2], at[3], at[4]), (floats[_TOTALS, 0], floats[_TOTALS, 1])
 
 
 @inlined
@@ -192,23 +237,30 @@ def query_batch(
     numbers: NDArray[np.float64],
     matrix: NDArray[np.float64],
     scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
+    first: int,
     work: QueryWork,
     out: tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]],
-) -> None:
-    """Query every scene of a batch.
+) -> int:
+    """Query the scenes of a batch from number `first`; the number of the first one without an answer.
 
-    `scenes` are the arrays (rows, starts, counts, arguments) of `Scenes`; `out` receives leaf (n,),
-    densities (n, questions on a branch) and witnesses (n, n_variables).
+    That is the number of scenes, or less if `MOST_STEPS` were not enough: called again with it as
+    `first`, the search goes on. `scenes` are the arrays (rows, starts, counts, arguments) of `Scenes`;
+    `out` receives leaf (n,), densities (n, questions on a branch) and witnesses (n, n_variables).
     """
     rows, starts, counts, arguments = scenes
     leaf, densities, witnesses = out
-    for i in range(len(starts)):
+    work.integers[PAUSE, STEPS] = MOST_STEPS
+    for i in range(first, len(starts)):
         objects = rows[starts[i] : starts[i] + counts[i]]
-        leaf[i] = query_scene(nodes, numbers, 0, matrix, objects, arguments[i], work)
+        winner = query_scene(nodes, numbers, 0, matrix, objects, arguments[i], work)
+        if winner == UNFINISHED:
+            return i
+        leaf[i] = winner
         for j in range(densities.shape[1]):
             densities[i, j] = math.exp(work.numbers[BEST_PATH, j])
         for j in range(witnesses.shape[1]):
             witnesses[i, j] = work.integers[WITNESSES, j]
+    return len(starts)
 
 
 @kernel

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import reprlib
+from collections.abc import Mapping as Dictionary
+from typing import TYPE_CHECKING, Any, Final
 
 from relforest.mappings import Mapping
 from relforest.support.errors import ModelFormatError
@@ -11,7 +13,10 @@ from relforest.trees.nodes import Instantiation, Leaf, Node, Question
 from relforest.volumes import volume_from_dict
 
 if TYPE_CHECKING:
-    from relforest.scenes import Schema
+    from relforest.scenes import Attribute
+
+# Below this, every integer is a float too.
+MAX_COUNT: Final = 2**53
 
 
 def node_to_dict(node: Node) -> dict[str, Any]:
@@ -39,29 +44,36 @@ def node_to_dict(node: Node) -> dict[str, Any]:
             }
 
 
-def node_from_dict(document: dict[str, Any], schema: Schema) -> Node:
-    """Inverse of `node_to_dict`; anything malformed raises one of the errors `Tree.from_dict` expects."""
+def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribute]) -> Node:
+    """Inverse of `node_to_dict`; anything malformed raises one of the errors `Tree.from_dict` expects.
+
+    `attributes` are those of the schema by name.
+    """
     kind = document["kind"]
     if kind == "leaf":
         counts = [_whole(document[key]) for key in ("negatives", "positives")]
         probability = in_range("probability", document["probability"], 0.0, 1.0)
-        if min(counts) < 0:
-            msg = f"malformed leaf: counts {counts}"
+        if not 0 <= min(counts) <= max(counts) <= MAX_COUNT:
+            msg = f"malformed leaf: counts {reprlib.repr(counts)}"
             raise ModelFormatError(msg)
         return Leaf(probability, *counts)
     if kind == "instantiation":
         return Instantiation(_whole(document["child"]))
     if kind == "question":
-        mapping = Mapping(document["operation"], schema[document["attribute"]])
+        name = document["attribute"]
+        if name not in attributes:
+            msg = f"no attribute {reprlib.repr(name)}: the schema has {reprlib.repr(tuple(attributes))}"
+            raise ModelFormatError(msg)
+        mapping = Mapping(document["operation"], attributes[name])
         variables = tuple(_whole(variable) for variable in document["variables"])
         links = [_whole(document[answer]) for answer in ("yes", "no", "error")]
         return Question(mapping, variables, volume_from_dict(document["volume"]), *links)
-    msg = f"unknown node kind {kind!r}: expected leaf, instantiation or question"
+    msg = f"unknown node kind {reprlib.repr(kind)}: expected leaf, instantiation or question"
     raise ModelFormatError(msg)
 
 
 def _whole(value: object) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        msg = f"expected a whole number, got {value!r}"
+        msg = f"expected a whole number, got {reprlib.repr(value)}"
         raise ModelFormatError(msg)
     return value

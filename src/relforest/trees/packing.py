@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -52,6 +53,8 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
     numbers: list[NDArray[np.float64]] = []
     bound, asked = np.zeros(len(nodes), dtype=np.int64), np.zeros(len(nodes), dtype=np.int64)
     used, ordinal = 0, 0
+    ends = accumulate((attribute.dim for attribute in schema.attributes), initial=0)
+    first = dict(zip(schema.names, ends, strict=False))
     for i, node in enumerate(nodes):
         row = table[i]
         for answer, child in enumerate(children(node)):
@@ -65,7 +68,7 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
             case Instantiation():
                 row[KIND] = INSTANTIATION
             case Question():
-                _pack_question(schema, node, row)
+                _pack_question(node, first[node.mapping.attribute.name], row)
                 row[VOLUME] = used
                 numbers.append(_volume_numbers(node.volume))
                 used += len(numbers[-1])
@@ -79,12 +82,12 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
     )
 
 
-def _pack_question(schema: Schema, node: Question, row: NDArray[np.int64]) -> None:
+def _pack_question(node: Question, first: int, row: NDArray[np.int64]) -> None:
     attribute = node.mapping.attribute
     row[KIND] = QUESTION
     row[OPERATION] = node.mapping.rule.code
     row[CIRCULAR] = node.mapping.space == "circle"
-    row[FIRST] = schema.offset(attribute.name)
+    row[FIRST] = first
     row[ATTRIBUTE_DIM] = attribute.dim
     row[DIM] = node.mapping.dim
     row[VARIABLES : VARIABLES + len(node.variables)] = node.variables

@@ -8,10 +8,16 @@ from relforest.support.errors import InputError
 from relforest.trees.nodes import Instantiation, Node, Question, children
 
 if TYPE_CHECKING:
-    from relforest.scenes import Schema
+    from relforest.scenes import Attribute, Schema
 
-# What is remembered grows with the square of a branch's length, which a hostile file could exploit.
+# Far beyond what can be learned, since every question must prove itself on scenes and every variable needs an
+# object. They keep a hostile file from filling memory: what is remembered grows with the length of branches.
+MAX_ATTRIBUTES: Final = 1000
+MAX_WIDTH: Final = 100_000
+MAX_NODES: Final = 100_000
+MAX_VARIABLES: Final = 100
 MAX_DEPTH: Final = 1000
+MAX_ABOVE: Final = 5_000_000
 
 
 def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int], list[tuple[int, ...]]]:
@@ -25,21 +31,23 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
     Raises
     ------
     InputError
-        If the nodes do not form one tree in depth-first order, a branch asks more than `MAX_DEPTH`
-        questions, or a question does not fit the schema, its variables or its volume.
+        If the nodes do not form one tree in depth-first order, the schema or the tree is too large, or a
+        question does not fit the schema, its variables or its volume.
     """
     if not nodes:
         msg = "a tree needs at least one node"
         raise InputError(msg)
+    _check_size(schema, nodes)
+    known = frozenset(schema.attributes)
     bound = [-1] * len(nodes)
     above: list[tuple[int, ...]] = [()] * len(nodes)
-    bound[0] = 0
+    bound[0], n_above = 0, 0
     for i, node in enumerate(nodes):
         if bound[i] < 0:
             msg = f"node {i} has no parent before it: list the nodes depth first"
             raise InputError(msg)
         if isinstance(node, Question):
-            _check_question(schema, i, node, bound[i])
+            _check_question(known, i, node, bound[i])
         path = (*above[i], i) if isinstance(node, Question) else above[i]
         if len(path) > MAX_DEPTH:
             msg = f"node {i} is question number {len(path)} of its branch: at most {MAX_DEPTH} are allowed"
@@ -49,16 +57,38 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
                 msg = f"node {i} points to node {child}: every node needs one parent, before it in the list"
                 raise InputError(msg)
             bound[child] = bound[i] + isinstance(node, Instantiation)
+            if bound[child] > MAX_VARIABLES:
+                msg = (
+                    f"node {i} binds variable number {bound[child]} of its branch: "
+                    f"at most {MAX_VARIABLES} are allowed"
+                )
+                raise InputError(msg)
             above[child] = path
+        n_above += len(path)
+        if n_above > MAX_ABOVE:
+            msg = f"the branches ask more than {MAX_ABOVE} questions in all: the tree is too large"
+            raise InputError(msg)
     if _preorder(nodes) != list(range(len(nodes))):
         msg = "the nodes are not in depth-first order (Yes, No, Error)"
         raise InputError(msg)
     return bound, above
 
 
-def _check_question(schema: Schema, index: int, node: Question, n_bound: int) -> None:
+def _check_size(schema: Schema, nodes: tuple[Node, ...]) -> None:
+    for count, most, what in (
+        (len(schema.attributes), MAX_ATTRIBUTES, "attributes"),
+        (schema.width, MAX_WIDTH, "components of attributes"),
+        (schema.n_parameters, MAX_VARIABLES, "action arguments"),
+        (len(nodes), MAX_NODES, "nodes"),
+    ):
+        if count > most:
+            msg = f"a tree with {count} {what} is too large: at most {most} are allowed"
+            raise InputError(msg)
+
+
+def _check_question(known: frozenset[Attribute], index: int, node: Question, n_bound: int) -> None:
     mapping = node.mapping
-    if mapping.attribute not in schema.attributes:
+    if mapping.attribute not in known:
         msg = f"node {index} asks for {mapping.name}, but the schema has no such attribute"
         raise InputError(msg)
     used = node.variables

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 import numpy as np
 
 from relforest.scenes import Schema
-from relforest.support.errors import ModelFormatError
+from relforest.support.documents import well_formed
 from relforest.support.files import check_document
 from relforest.trees.node_json import node_from_dict, node_to_dict
 from relforest.trees.nodes import Instantiation, Leaf, Node, Question, shifted
@@ -149,10 +149,7 @@ class Tree:
             If the document is not a well-formed tree of a version this library knows.
         """
         checked = check_document(document, format=FORMAT, version=VERSION, origin="tree")
-        try:
+        with well_formed("malformed tree"):
             schema = Schema.from_dict(checked["schema"])
-            nodes = tuple(node_from_dict(node, schema) for node in checked["nodes"])
-            return cls(schema, nodes)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            msg = f"malformed tree: {error!r}"
-            raise ModelFormatError(msg) from error
+            attributes = {attribute.name: attribute for attribute in schema.attributes}
+            return cls(schema, tuple(node_from_dict(node, attributes) for node in checked["nodes"]))

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
 
-from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.documents import well_formed
+from relforest.support.errors import InputError
 from relforest.support.options import in_range
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+# Bounds of what is read; what is learned lies within a turn, and its kappa below 1e9.
+LARGEST_ANGLE: Final = 1e6
+LARGEST_KAPPA: Final = 1e12
 
 
 @final
@@ -75,13 +80,10 @@ class Arc:
         Raises
         ------
         ModelFormatError
-            If a value is missing, not finite, or negative where it may not be.
+            If a value is missing or beyond the bounds of this module.
         """
-        try:
-            mean = in_range("mean", document["mean"], -np.inf, np.inf, open_low=True, open_high=True)
-            radius = in_range("radius", document["radius"], 0.0, np.inf, open_high=True)
-            kappa = in_range("kappa", document["kappa"], 0.0, np.inf, open_high=True)
-        except (KeyError, InputError) as error:
-            msg = f"malformed arc: {error!r}"
-            raise ModelFormatError(msg) from error
-        return cls(mean, radius, kappa)
+        with well_formed("malformed arc"):
+            mean = in_range("mean", document["mean"], -LARGEST_ANGLE, LARGEST_ANGLE)
+            radius = in_range("radius", document["radius"], 0.0, LARGEST_ANGLE)
+            kappa = in_range("kappa", document["kappa"], 0.0, LARGEST_KAPPA)
+            return cls(mean, radius, kappa)

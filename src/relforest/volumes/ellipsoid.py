@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import reprlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, in_range
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+# Bounds of what is read. Covariant aggregation takes points up to 1e30 and conditions its matrices, so that
+# whatever it learns lies well inside; within them nothing overflows when an ellipsoid is used or drawn.
+LARGEST_VALUE: Final = 1e40
+LARGEST_SCATTER: Final = 1e80
+SMALLEST_SCATTER: Final = 1e-100
+LARGEST_RADIUS: Final = 1e90
+LARGEST_COUNT: Final = 1e15
 
 
 @final
@@ -114,30 +124,34 @@ class Ellipsoid:
         Raises
         ------
         ModelFormatError
-            If a value is missing, not finite, of the wrong shape, or no covariance.
+            If a value is missing, beyond the bounds of this module, of the wrong shape, or not a covariance.
         """
-        try:
+        with well_formed("malformed ellipsoid"):
             mean, covariance = (_numbers(document[key]) for key in ("mean", "covariance"))
-            radius = in_range("radius", document["radius"], 0.0, np.inf, open_high=True)
+            radius = in_range("radius", document["radius"], 0.0, LARGEST_RADIUS)
             n_keys = at_least("n_keys", document["n_keys"], 0)
-            in_range("n_keys", n_keys, 0.0, np.inf, open_high=True)
-            prior_weight = in_range("prior_weight", document["prior_weight"], 0.0, np.inf, open_high=True)
-        except (KeyError, ValueError) as error:
-            msg = f"malformed ellipsoid: {error!r}"
-            raise ModelFormatError(msg) from error
+            in_range("n_keys", n_keys, 0, LARGEST_COUNT)
+            prior_weight = in_range("prior_weight", document["prior_weight"], 0.0, LARGEST_COUNT)
         if mean.ndim != 1 or covariance.shape != (len(mean), len(mean)) or len(mean) == 0:
             msg = f"malformed ellipsoid: mean {mean.shape} and covariance {covariance.shape} do not match"
             raise ModelFormatError(msg)
-        if not (np.isfinite(mean).all() and np.isfinite(covariance).all()):
-            msg = "malformed ellipsoid: a value is not finite"
+        # The negated test also catches NaN.
+        if not (np.abs(mean) <= LARGEST_VALUE).all() or not (np.abs(covariance) <= LARGEST_SCATTER).all():
+            msg = (
+                f"malformed ellipsoid: the mean must not exceed {LARGEST_VALUE:g}, "
+                f"nor the covariance {LARGEST_SCATTER:g}"
+            )
             raise ModelFormatError(msg)
         if not np.allclose(covariance, covariance.T, rtol=0.0, atol=1e-9 * np.abs(covariance).max()):
             msg = "malformed ellipsoid: the covariance is not symmetric"
             raise ModelFormatError(msg)
         eigenvalues = np.linalg.eigvalsh(covariance)
-        # Below these bounds the inverse overflows or has no correct digit.
-        if not eigenvalues[0] > max(1e-300, 1e-15 * eigenvalues[-1]):
+        # Below these bounds distances overflow, or the inverse has no correct digit.
+        if not eigenvalues[0] > max(SMALLEST_SCATTER, 1e-15 * eigenvalues[-1]):
             msg = "malformed ellipsoid: the covariance is not positive definite"
+            raise ModelFormatError(msg)
+        if not radius * math.sqrt(eigenvalues[-1]) <= LARGEST_VALUE:
+            msg = f"malformed ellipsoid: it reaches farther than {LARGEST_VALUE:g}"
             raise ModelFormatError(msg)
         return cls(mean, covariance, radius, n_keys, prior_weight)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import reprlib
+
 from relforest.support.errors import ModelFormatError
 from relforest.volumes.arc import Arc
 from relforest.volumes.ellipsoid import Ellipsoid
@@ -23,6 +25,6 @@ def volume_from_dict(document: object) -> Volume:
     shapes: dict[str, type[Ellipsoid | Arc]] = {"ellipsoid": Ellipsoid, "arc": Arc}
     shape = document.get("shape")
     if not isinstance(shape, str) or shape not in shapes:
-        msg = f"unknown volume shape {shape!r}: expected one of {', '.join(shapes)}"
+        msg = f"unknown volume shape {reprlib.repr(shape)}: expected one of {', '.join(shapes)}"
         raise ModelFormatError(msg)
     return shapes[shape].from_dict(document)

@@ -21,6 +21,7 @@ from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, in_range
 
 DEFAULT_TILES: Final = 64
+MAX_VARIABLES: Final = 10_000
 """How many tile widths each variable covers where no upper bound is given."""
 
 
@@ -203,6 +204,8 @@ def _one_each(name: str, numbers: float | Sequence[float], count: int | None) ->
         entries = list(numbers)
     else:
         entries = [numbers] * (count or 0)
+    if len(entries) > MAX_VARIABLES:
+        raise InputError(f"{name} must be at most {MAX_VARIABLES} numbers, got {len(entries)}")
     if not entries or (count is not None and len(entries) != count):
         expected = "at least one number" if count is None else f"one number, or {count} as the widths"
         raise InputError(f"{name} must be {expected}, got {numbers!r:.200}")
