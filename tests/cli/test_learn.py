@@ -17,11 +17,14 @@ def test_a_run_is_learned_told_and_drawn(run: CommandLine, tmp_path: Path) -> No
     rows = [json.loads(line) for line in (out / "metrics.jsonl").read_text("utf-8").splitlines()]
 
     assert outcome.code == 0
-    lines = outcome.err.splitlines()
-    assert lines[0] == f"learning corridor in {out}: 1 iteration"
-    assert [line.split(":")[0] for line in lines[1:]] == ["iteration 0", "iteration 1"]
-    assert f"test reward {rows[1]['test_reward']:.3f}, {rows[1]['trees']} trees" in lines[2]
-    assert lines[2].endswith(" s")
+    begin, *lines = outcome.err.splitlines()
+    assert begin == f"learning corridor in {out}: 1 iteration"
+    # A slow machine has lines about the stages between.
+    _, learned = (line for line in lines if "test reward" in line)
+    assert learned.startswith(
+        f"iteration 1: test reward {rows[1]['test_reward']:.3f}, {rows[1]['trees']} trees"
+    )
+    assert learned.endswith(" s")
     assert outcome.out.startswith("iteration  test reward")
     assert "left: " in outcome.out
     assert outcome.out.endswith(

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import os
 from typing import Any, Literal
 
+import joblib
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
@@ -30,6 +32,11 @@ def test_results_do_not_depend_on_the_number_of_jobs(prefer: Literal["threads", 
 
     for n_jobs in (1, 2):
         np.testing.assert_array_equal(run_tasks(np.linalg.inv, tasks, n_jobs=n_jobs, prefer=prefer), expected)
+
+
+def test_a_backend_configured_by_the_user_is_used() -> None:
+    with joblib.parallel_config("threading"):
+        assert run_tasks(os.getpid, [(), ()], n_jobs=2, prefer="processes") == [os.getpid()] * 2
 
 
 def test_all_cores_may_be_used() -> None:

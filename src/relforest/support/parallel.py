@@ -7,6 +7,7 @@ from contextvars import copy_context
 from typing import Literal, TypeVar, TypeVarTuple
 
 import joblib
+from joblib.parallel import LokyBackend, get_active_backend
 
 from relforest.support.blas import one_blas_thread
 from relforest.support.errors import InputError
@@ -41,6 +42,7 @@ def run_tasks(
         How many tasks run at the same time; 1 runs them in this thread, -1 uses all cores.
     prefer : {"threads", "processes"}
         Threads suit functions that spend their time in kernels. Processes end with this one, however it ends.
+        An active ``joblib.parallel_config`` with another backend, such as Dask's, overrides the choice.
 
     Returns
     -------
@@ -60,11 +62,15 @@ def run_tasks(
         if n_jobs == 1 or len(tasks) < 2:
             return [function(*task) for task in tasks]
         calls = [(function, task) for task in tasks]
-        if prefer == "processes":
+        backend, _ = get_active_backend(prefer=prefer)
+        if isinstance(backend, LokyBackend):
             return run_in_processes(_single_threaded, calls, min(n_jobs, len(tasks)))
-        workers = joblib.Parallel(n_jobs=n_jobs, backend="threading")
-        # Threads do not inherit the listener of reports, and each needs a context of its own.
-        return list(workers(joblib.delayed(copy_context().run)(_single_threaded, *call) for call in calls))
+        if backend.supports_sharedmem:
+            # Threads do not inherit the listener of reports, and each needs a context of its own.
+            jobs = [joblib.delayed(copy_context().run)(_single_threaded, *call) for call in calls]
+        else:
+            jobs = [joblib.delayed(_single_threaded)(*call) for call in calls]
+        return list(joblib.Parallel(n_jobs=n_jobs, prefer=prefer)(jobs))
 
 
 def checked_jobs(n_jobs: object) -> int:
