@@ -134,6 +134,21 @@ def test_string_arguments_find_integer_ids_written_alike() -> None:
         read(columns | {"passer": ["09", None, "09", None]})
 
 
+@pytest.mark.parametrize(
+    ("players", "passer"),
+    [(["7", "8", "9"], "9.0"), (["7.0", "8.0", "9.0"], "9"), ([7, 8, 9], "9.0")],
+)
+def test_a_fraction_of_zero_that_stands_everywhere_does_not_matter(players: list[Any], passer: str) -> None:
+    # As pandas writes integers among which one is missing.
+    columns = {"pass": [7, 7, 7, 8], "player": [*players, None], "passer": [*[passer] * 3, None]}
+    assert read(columns).arguments.tolist() == [[2], [-1]]
+
+
+def test_a_fraction_of_zero_that_stands_somewhere_does() -> None:
+    columns = {"pass": [7, 7, 7, 8], "player": ["9", "9.0", "8", None], "passer": [*["9.0"] * 3, None]}
+    assert read(columns).arguments.tolist() == [[1], [-1]]
+
+
 def test_row_order_decides_only_the_order_of_scenes_and_objects() -> None:
     frame = pd.DataFrame(PASSES)
     scenes = Scenes.from_frame(frame.iloc[::-1], **KEYWORDS)

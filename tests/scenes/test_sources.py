@@ -125,6 +125,7 @@ class Odd:
         ("", "'' is not a path: give the name of a file"),
         ("a\0b.csv", r"'a\\x00b\.csv' is not a path"),
         ("https://example.org/t.csv", "is a web address: download the file and give its path"),
+        (Path("https://example.org/t.csv"), "is a web address"),
         ("s3://bucket/t.parquet", "is a web address"),
         ("no/such/t.csv", r"there is no file no/such/t\.csv: check the path"),
         ("x" * 5000 + ".csv", "cannot be read: File name too long; check the path"),

@@ -32,7 +32,10 @@ def id_column(table: Frame, name: str) -> ArrowArray:
     """
     column = arrow_column(table, name)
     if column is None:
-        raise InputError(f"column {name!r} mixes types, but ids are all integers or all strings: {_REMEDY}")
+        raise InputError(
+            f"column {name!r} mixes types or exceeds 64 bits, but ids are all integers or all strings: "
+            f"{_REMEDY}"
+        )
     kind, types = column.type, pa.types
     try:
         if types.is_floating(kind):

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from relforest.scenes.arrays import IntArray
-from relforest.scenes.arrow import ArrowArray
+from relforest.scenes.arrow import ArrowArray, is_text
 from relforest.scenes.columns import Codes
 from relforest.scenes.ids import IdArray, plain
 from relforest.support.errors import InputError
@@ -18,6 +18,7 @@ from relforest.support.errors import InputError
 __all__ = ["ObjectIndex", "bind_arguments", "index_objects"]
 
 _SHOWN = 8
+_INTEGERS = (r"^-?(0|[1-9]\d{0,14})$", r"^-?(0|[1-9]\d{0,14})\.0$")
 
 
 @final
@@ -101,6 +102,8 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
     if values.type != ids.type:
         # Types may differ where no argument shows that ids are strings. Text can hold both: 07 is not 7.
         ids, values = pc.cast(ids, pa.large_string()), pc.cast(values, pa.large_string())
+    if is_text(ids.type) and all(map(_are_integers, (ids, values))):
+        ids, values = (pc.replace_substring(texts, ".0", "") for texts in (ids, values))
     codes = pc.fill_null(pc.cast(pc.index_in(values, value_set=ids), pa.int64()), -1).to_numpy(
         zero_copy_only=False
     )
@@ -114,3 +117,8 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
             "use the id of one of them, or null for none"
         )
     return positions
+
+
+def _are_integers(texts: ArrowArray) -> bool:
+    """Return whether text is all integers: as they are, or with the ``.0`` of pandas where one is missing."""
+    return any(pc.all(pc.match_substring_regex(texts, pattern)).as_py() for pattern in _INTEGERS)

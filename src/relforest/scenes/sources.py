@@ -19,7 +19,8 @@ Source = str | PathLike[str] | IO[Any]
 """A path, or a file that is open for reading."""
 
 _ENCODINGS: Final = "name one such as utf-8, utf-16, latin-1 or cp1252"
-_ADDRESS: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
+# A `Path` makes one slash of two.
+_ADDRESS: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
 # gzip is left to `unpacked`.
 _COMPRESSED: Final = {b"BZh": "bz2", b"\x28\xb5\x2f\xfd": "zstd"}
 _MARKS: Final = (
