@@ -77,7 +77,7 @@ class _ParquetFile:
         """Return columns as they are stored, but categories as their values."""
         with self.opened() as file:
             texts = [name for name in chosen if _is_text(file.schema_arrow.field(name).type)]
-            self._check_size(8 * len(chosen) * _n_rows(file.metadata))
+            self._check_size(_claimed_size(file.metadata, len(chosen)))
         # A long string that is often repeated may unpack to any size, but not as a category.
         with self.opened(texts) as file:
             table = file.read(columns=list(chosen)).select(list(chosen))
@@ -163,11 +163,12 @@ def _is_text(kind: ArrowType) -> bool:
     return is_text(kind) or pa.types.is_binary(kind) or pa.types.is_large_binary(kind)
 
 
-def _n_rows(metadata: Any) -> int:  # noqa: ANN401 - pyarrow ships no types
-    """Return how many rows the file claims to hold, in whichever of its two places says more."""
-    # What it says of columns is not asked: pyarrow ends the process where that is damaged.
-    groups = [metadata.row_group(number).num_rows for number in range(metadata.num_row_groups)]
-    return int(max(metadata.num_rows, sum(groups)))
+def _claimed_size(metadata: Any, n_columns: int) -> int:  # noqa: ANN401 - pyarrow ships no types
+    """Return how many bytes some columns take by what the file says of itself, where it says the most."""
+    # What it says of single columns is not asked: pyarrow ends the process where that is damaged.
+    groups = [metadata.row_group(number) for number in range(metadata.num_row_groups)]
+    n_rows = max(metadata.num_rows, sum(group.num_rows for group in groups))
+    return int(max(8 * n_rows * n_columns, sum(group.total_byte_size for group in groups)))
 
 
 def _text_size(chunk: ArrowArray) -> int:
