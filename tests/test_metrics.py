@@ -38,7 +38,7 @@ def test_the_positive_class_does_not_matter_but_must_exist() -> None:
     # b positive: 2/2 - 1/2; a positive: 1/2 - 0/2
     assert peirce_skill_score(truth, found, pos_label="b") == 0.5
     assert peirce_skill_score(truth, found, pos_label="a") == 0.5
-    with pytest.raises(InputError, match="pos_label 'c' is no label of y_true, which has 'a', 'b'"):
+    with pytest.raises(InputError, match="pos_label 'c' is not one of the labels in y_true, 'a', 'b'"):
         peirce_skill_score(truth, found, pos_label="c")
 
 
@@ -63,12 +63,12 @@ def test_the_score_of_a_prediction_and_its_opposite_cancel(truth: Any, data: st.
         ([1, 1], [1, 0], r"two classes, got 1 \(1\)"),
         ([], [], r"two classes, got 0 \(no labels\)"),
         ([0, 1, 2], [0, 1, 2], r"two classes, got 3 \(0, 1, 2\)"),
-        ([0, 1], [0, 1, 1], "y_true has 2 labels, but y_pred 3"),
-        ([0, 1], [-1, 1], "y_pred has the label -1, but y_true only 0, 1"),
-        ([0, 1], ["no", "yes"], "y_pred has the label 'no'"),
+        ([0, 1], [0, 1, 1], "y_true has 2 labels, but y_pred has 3: give one prediction per label"),
+        ([0, 1], [-1, 1], "y_pred contains -1, but y_true only 0, 1"),
+        ([0, 1], ["no", "yes"], "y_pred contains 'no'"),
         ([[0, 1]], [0], r"y_true must be one-dimensional, got the shape \(1, 2\)"),
-        ([0.0, np.nan], [0, 1], "y_true holds NaN"),
-        ([0, 1], [1j, 0], "y_pred holds complex128"),
+        ([0.0, np.nan], [0, 1], "y_true contains NaN"),
+        ([0, 1], [1j, 0], "y_pred contains complex128"),
         (np.array([0, "a"], dtype=object), [0, 1], "y_true mixes types of labels"),
     ],
 )

@@ -1,4 +1,4 @@
-"""How good a binary prediction is, and how sure the mean of repeated measurements is."""
+"""Quality of binary predictions, and confidence in means of repeated measurements."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def peirce_skill_score(y_true: ArrayLike, y_pred: ArrayLike, *, pos_label: objec
     -------
     float
         In [-1, 1]: 1 for perfect predictions, 0 for predictions that do not depend on the truth, whatever the
-        class frequencies are.
+        class frequencies.
 
     Raises
     ------
@@ -52,21 +52,21 @@ def peirce_skill_score(y_true: ArrayLike, y_pred: ArrayLike, *, pos_label: objec
     truth, prediction = _labels("y_true", y_true), _labels("y_pred", y_pred)
     if len(truth) != len(prediction):
         raise InputError(
-            f"y_true has {len(truth)} labels, but y_pred {len(prediction)}: give one prediction each"
+            f"y_true has {len(truth)} labels, but y_pred has {len(prediction)}: give one prediction per label"
         )
     classes = _sorted_labels("y_true", truth)
     if len(classes) != 2:
         raise InputError(
-            f"y_true must hold labels of two classes, got {len(classes)} ({_listed(classes)}): without "
-            "both, hit rate and false alarm rate are undefined"
+            f"y_true must contain labels of two classes, got {len(classes)} ({_listed(classes)}): otherwise "
+            "hit rate and false alarm rate are undefined"
         )
     positive = classes[1] if pos_label is None else pos_label
     if positive not in classes:
-        raise InputError(f"pos_label {pos_label!r} is no label of y_true, which has {_listed(classes)}")
+        raise InputError(f"pos_label {pos_label!r} is not one of the labels in y_true, {_listed(classes)}")
     unknown = [label for label in _sorted_labels("y_pred", prediction) if label not in classes]
     if unknown:
         raise InputError(
-            f"y_pred has the label {unknown[0]!r}, but y_true only {_listed(classes)}: use the same labels"
+            f"y_pred contains {unknown[0]!r}, but y_true only {_listed(classes)}: use the same labels"
         )
     is_positive, hit = truth == positive, prediction == positive
     return float(hit[is_positive].mean() - hit[~is_positive].mean())
@@ -85,24 +85,24 @@ class MeanInterval:
 
     @property
     def half_width(self) -> float:
-        """Distance from the mean to either end."""
+        """Half the width of the interval."""
         return (self.high - self.low) / 2
 
 
 def mean_interval(values: ArrayLike, level: float = 0.95) -> MeanInterval:
-    """Return the mean of independent values and Student's t interval around it.
+    """Return the mean of independent values and its confidence interval by Student's t distribution.
 
     Parameters
     ----------
     values : (n,) array-like
         At least two finite numbers.
     level : float
-        Probability, inside (0, 1), that such an interval covers the true mean (exactly so for normal values).
+        Coverage probability of the interval, inside (0, 1); exact for normally distributed values.
 
     Raises
     ------
     InputError
-        If there are fewer than two values, one is not finite, or the level is out of range.
+        If there are fewer than two values, a value is not finite, or the level is out of range.
     """
     return Moments.of(values).interval(level)
 
@@ -110,7 +110,7 @@ def mean_interval(values: ArrayLike, level: float = 0.95) -> MeanInterval:
 @final
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """What a t-test needs to know of independent values.
+    """The statistics of independent values that a t-test needs.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class Moments:
         Raises
         ------
         InputError
-            If there are fewer than two values, or one is not finite.
+            If there are fewer than two values, or a value is not finite.
         """
         refuse_masked(values, "the sample")
         try:
@@ -145,13 +145,13 @@ class Moments:
             )
         if not np.isfinite(sample).all():
             raise InputError("values must be finite: drop or repeat the runs that gave NaN or infinity")
-        # Rounding would give equal values a tiny spread.
+        # Rounding may give equal values a tiny standard deviation.
         std = 0.0 if (sample == sample[0]).all() else float(sample.std(ddof=1))
         return cls(float(sample.mean()), std, len(sample))
 
     @classmethod
     def from_interval(cls, mean: float, half_width: float, count: int, level: float = 0.95) -> Moments:
-        """Return the moments behind a published mean and half the width of its t interval.
+        """Return the moments of a published mean and the half-width of its t interval.
 
         Examples
         --------
@@ -167,7 +167,7 @@ class Moments:
 
 
 def two_sample_p_value(one: Moments, other: Moments) -> float:
-    """Return the two-tailed p-value of Student's two-sample t-test, which presumes equal variances.
+    """Return the two-tailed p-value of Student's two-sample t-test, which assumes equal variances.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def two_sample_p_value(one: Moments, other: Moments) -> float:
     Returns
     -------
     float
-        Of two samples without variance: 1 if their means are equal, else 0.
+        For two samples without variance, 1 if their means are equal, otherwise 0.
 
     Examples
     --------
@@ -194,12 +194,12 @@ def two_sample_p_value(one: Moments, other: Moments) -> float:
 
 
 def sidak_level(level: float, count: int) -> float:
-    """Return the level of each of ``count`` independent tests with which all together have ``level``.
+    """Return the level of each of ``count`` independent tests that gives all of them together ``level``.
 
     Raises
     ------
     InputError
-        If the level is not inside (0, 1), or the count less than 1.
+        If the level is not inside (0, 1), or the count is less than 1.
 
     References
     ----------
@@ -215,7 +215,7 @@ def sidak_level(level: float, count: int) -> float:
 
 
 def _half_width_in_stds(count: int, level: float) -> float:
-    """Return half the width of a t interval of ``count`` values, in their standard deviations."""
+    """Return half the width of a t interval of ``count`` values, in units of their standard deviation."""
     level = in_range("level", level, 0.0, 1.0, open_low=True, open_high=True)
     return float(stdtrit(count - 1, (1 + level) / 2) / np.sqrt(count))
 
@@ -227,11 +227,11 @@ def _labels(name: str, values: ArrayLike) -> NDArray[Any]:
     if array.ndim != 1:
         raise InputError(f"{name} must be one-dimensional, got the shape {array.shape}")
     if array.dtype.kind == "f" and np.isnan(array).any():
-        raise InputError(f"{name} holds NaN: every scene needs a label")
+        raise InputError(f"{name} contains NaN: give every example a label")
     if array.dtype.kind == "b":
         return array.astype(np.int64)
     if array.dtype.kind not in "iufUO":
-        raise InputError(f"{name} holds {array.dtype}: labels are numbers, booleans or strings")
+        raise InputError(f"{name} contains {array.dtype}: labels must be numbers, booleans or strings")
     return array
 
 
@@ -240,7 +240,7 @@ def _sorted_labels(name: str, labels: NDArray[Any]) -> list[Any]:
         found: list[Any] = np.unique(labels).tolist()
     except TypeError as error:
         raise InputError(
-            f"{name} mixes types of labels: use numbers, booleans or strings throughout"
+            f"{name} mixes types of labels: use only numbers, only booleans, or only strings"
         ) from error
     return found
 

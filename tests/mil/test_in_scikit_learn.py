@@ -68,7 +68,8 @@ def framed(library: str = "pandas", order: tuple[int, ...] = (0, 1), bags: Any =
 
 def in_cells(bags: Any) -> Any:
     column = np.empty((len(bags), 1), dtype=object)
-    column[:, 0] = bags
+    for row, bag in enumerate(bags):
+        column[row, 0] = bag
     return column
 
 

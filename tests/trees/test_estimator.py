@@ -166,7 +166,11 @@ def test_defaults_are_those_of_the_settings() -> None:
     settings = asdict(TreeSettings())
     del settings["covagg"]
 
-    assert SMRFTreeClassifier().get_params() == settings | {"random_state": None, "n_jobs": 1}
+    assert SMRFTreeClassifier().get_params() == settings | {
+        "random_state": None,
+        "n_jobs": 1,
+        "verbose": False,
+    }
 
 
 def test_cross_validation_takes_scenes() -> None:
@@ -221,7 +225,7 @@ def test_a_model_can_be_pickled() -> None:
         (Y[:-1], "got 39 labels for 40 scenes: give one label for each"),
         (np.ones(40), "labels of 2 classes are needed, but 40 scenes have only 1 class: 1"),
         (np.arange(40) % 3, "Only binary classification is supported"),
-        (np.where(Y, np.nan, 1.0), "labels hold NaN"),
+        (np.where(Y, np.nan, 1.0), "labels contain NaN"),
         (None, "y should be a 1d array"),
     ],
 )
@@ -257,7 +261,7 @@ def test_prediction_needs_a_fitted_model_and_scenes_of_its_schema(method: str) -
     other = Scenes.from_dicts([{"objects": [{"location": [0.0, 0.0]}]}])
     with pytest.raises(NotFittedError, match="not fitted yet"):
         getattr(SMRFTreeClassifier(), method)(SCENES)
-    with pytest.raises(InputError, match=r"expected Scenes, got list: make them with Scenes\.from_frame"):
+    with pytest.raises(InputError, match=r"expected Scenes, got list: use Scenes\.from_frame"):
         getattr(fitted(), method)([[0.0, 0.0]])
     with pytest.raises(InputError, match="the tree is for scenes with Schema"):
         getattr(fitted(), method)(other)

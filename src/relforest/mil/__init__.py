@@ -1,9 +1,9 @@
-"""Multiple-instance classifiers in the style of scikit-learn: fit bags of points, predict labels.
+"""Multiple-instance classifiers with scikit-learn's interface: fit bags of points, predict labels.
 
-A bag is positive if at least one of its instances is. `CovAggClassifier` looks for one ellipsoid that
-contains such instances; `VolumeCommitteeClassifier` combines many, for concepts with several parts or many
-features. `BagScaler` prepares features for methods that depend on their units. Classifiers by other authors
-are in `relforest.mil.peers`.
+A bag is positive if at least one of its instances is. `CovAggClassifier` looks for a single ellipsoid that
+contains the positive instances; `VolumeCommitteeClassifier` weighs the evidence of many ellipsoids, for
+concepts with several parts or many features. `BagScaler` scales features for methods that depend on their
+units. Published classifiers to compare with are in `relforest.mil.peers`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One ellipsoid aggregated from bags of both classes, for which there always is one."""
+"""The ellipsoid aggregated from bags of both classes, which always exists."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def aggregated_ellipsoid(
     rng: np.random.Generator,
     settings: CovAggSettings,
 ) -> Ellipsoid:
-    """Return the best ellipsoid of `relforest.volumes.aggregate`; `positive` (n_bags,) has both values.
+    """Return the best ellipsoid of `relforest.volumes.aggregate`; both values occur in `positive` (n_bags,).
 
     Raises
     ------
     AssertionError
-        If there is none, which would be a fault of this library.
+        If none is found, which would be a bug in this library.
     """
     found = aggregate(points, starts, positive, rng=rng, settings=settings)
     if found is None or not isinstance(found.volume, Ellipsoid):

@@ -1,4 +1,4 @@
-"""What all classifiers of bags share: checked input, labels of two classes, scores with a threshold of 0."""
+"""What all classifiers of bags share: input checks, binary labels, scores with a threshold of 0."""
 
 from __future__ import annotations
 
@@ -22,14 +22,15 @@ if TYPE_CHECKING:
 
 
 class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
-    """A binary classifier of bags of points in the scikit-learn manner.
+    """A binary classifier of bags of points with scikit-learn's interface.
 
-    A concrete class says how to learn (`_fit`) and how to score bags (`_bag_scores`).
+    Subclasses implement learning (`_fit`) and the scores of bags (`_bag_scores`).
 
     Notes
     -----
-    Bags may be a list of 2-D arrays, a tuple ``(X, bag_ids)`` whose labels follow the order in which
-    bags first appear, a 3-D array (n_bags, size, d), or a 2-D array with one instance per bag.
+    Pass bags as a list of 2-D arrays, as a tuple ``(X, bag_ids)`` with labels in the order in which the bags
+    first appear, as a 3-D array (n_bags, size, d), or as a 2-D array with one instance per bag. Data frames
+    may replace 2-D arrays; `predict` then matches their columns by name.
     """
 
     classes_: NDArray[Any]
@@ -42,8 +43,8 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         ----------
         bags : bags in any of the accepted forms
         y : array-like (n_bags,)
-            0/1, -1/+1, booleans or two strings; the larger one is the positive class. Only a
-            `relforest.datasets.BagSet`, which has labels, needs none.
+            0/1, -1/+1, booleans or two strings; the larger label is the positive class. May be omitted for a
+            `relforest.datasets.BagSet`, which contains labels.
 
         Raises
         ------
@@ -56,7 +57,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         if y is None:
             raise InputError("requires y to be passed, but the target y is None: give each bag a label")
         labels = binary_labels(y, len(data), what="bags")
-        # Sums in another order would give other roundings on other machines.
+        # Several threads would add in another order, and round differently on other machines.
         with one_blas_thread(), printed_to_stderr(getattr(self, "verbose", False)):
             self._fit(data, labels.positive)
         self.classes_ = labels.classes
@@ -64,62 +65,62 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         return self
 
     def decision_function(self, bags: object) -> NDArray[np.float64]:
-        """Score of each bag, (n_bags,): at least 0 for bags predicted positive.
+        """Score of each bag, shape (n_bags,); at least 0 for bags predicted positive.
 
         Raises
         ------
         NotFittedError
             Before `fit`.
         InputError
-            If bags are malformed or have another number of features than those of `fit`.
+            If bags are malformed, or their columns or number of features differ from those in `fit`.
         """
         data = self._checked(bags)
         with one_blas_thread():
             return self._bag_scores(data)
 
     def predict(self, bags: object) -> NDArray[Any]:
-        """Label of each bag, (n_bags,)."""
+        """Predicted label of each bag, shape (n_bags,)."""
         positive = self.decision_function(bags) >= 0.0
         predicted: NDArray[Any] = self.classes_[positive.astype(np.int64)]
         return predicted
 
     @abstractmethod
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
-        """Learn from checked bags; `positive` (n_bags,) has both values."""
+        """Learn from checked bags; both values occur in `positive` (n_bags,)."""
 
     @abstractmethod
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
-        """Score of each bag, (n_bags,): at least 0 where positive."""
+        """Score of each bag, shape (n_bags,); at least 0 where positive."""
 
     def _checked(self, bags: object) -> Bags:
         return bags_like_those_of_fit(self, bags)
 
     def __sklearn_tags__(self) -> Tags:
-        """Binary only; the rest is scikit-learn's."""
+        """Scikit-learn's tags, for binary classification only."""
         tags = super().__sklearn_tags__()
         tags.classifier_tags.multi_class = False
         return tags
 
 
 def bags_like_those_of_fit(estimator: BaseEstimator, bags: object) -> Bags:
-    """Check bags that a fitted estimator is given.
+    """Check bags passed to a fitted estimator, and put their columns in the order of `fit`.
 
     Raises
     ------
     NotFittedError
         If it is not fitted.
     InputError
-        If bags are malformed, or have other columns or another number of features than those of `fit`.
+        If bags are malformed, or their columns or number of features differ from those in `fit`.
     """
     check_is_fitted(estimator)
     return columns_as_in_fit(estimator, as_bags(bags))
 
 
 class InstanceClassifier(BagClassifier, ABC):
-    """A classifier of instances that calls a bag positive if any of its instances is (eq. 3.1).
+    """A classifier of instances; a bag is positive if any of its instances is (eq. 3.1).
 
-    A concrete class scores instances (`_instance_scores`). A bag has the score of its best instance, its
-    witness, unless the class has another rule.
+    Subclasses score instances (`_instance_scores`). The score of a bag is that of its best instance, its
+    witness, unless the subclass overrides this rule.
 
     References
     ----------
@@ -127,30 +128,30 @@ class InstanceClassifier(BagClassifier, ABC):
     """
 
     def decision_instances(self, bags: object) -> list[NDArray[np.float64]]:
-        """Score of each instance, at least 0 where positive: one array per bag, in the bag's order.
+        """Score of each instance, at least 0 where positive; one array per bag, in the bag's order.
 
         Raises
         ------
         NotFittedError
             Before `fit`.
         InputError
-            If bags are malformed or have another number of features than those of `fit`.
+            If bags are malformed, or their columns or number of features differ from those in `fit`.
         """
         data = self._checked(bags)
         with one_blas_thread():
             return np.split(self._instance_scores(data.points), data.starts[1:-1])
 
     def predict_instances(self, bags: object) -> list[NDArray[np.bool_]]:
-        """Which instances of each bag are positive: one bool array per bag, in the bag's order."""
+        """Whether each instance is positive; one bool array per bag, in the bag's order."""
         return [scores >= 0.0 for scores in self.decision_instances(bags)]
 
     def witness(self, bags: object) -> NDArray[np.int64]:
-        """Row within each bag of its witness, the instance with the largest score; (n_bags,)."""
+        """Row of the witness, the instance with the largest score, within each bag; shape (n_bags,)."""
         return np.array([np.argmax(scores) for scores in self.decision_instances(bags)], dtype=np.int64)
 
     @abstractmethod
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of each of the points (n, d), (n,): at least 0 where positive."""
+        """Score of each of the points (n, d), shape (n,); at least 0 where positive."""
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
         best: NDArray[np.float64] = np.maximum.reduceat(self._instance_scores(bags.points), bags.starts[:-1])

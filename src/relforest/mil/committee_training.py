@@ -1,4 +1,4 @@
-"""The training of a committee of volumes on one split of the bags.
+"""Training a committee of volumes on one split of the bags.
 
 Letters: n points, d features, b bags, t bags left out, m balls, k volumes, f coordinates of a view.
 """
@@ -23,13 +23,13 @@ __all__ = ["PanelMember", "PanelVolumes", "Training", "find_split_volumes", "spl
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Training:
-    """What all splits share."""
+    """Data shared by all splits."""
 
     shown: dict[str, tuple[FeatureView, NDArray[np.float64]]]  # volume panel -> its view, points (n, f) in it
     points: NDArray[np.float64]  # (n, d)
     starts: NDArray[np.int64]  # (b + 1,)
     positive: NDArray[np.bool_]  # (b,)
-    ball_bags: NDArray[np.int64]  # (m,) bag of the instance that each ball is around
+    ball_bags: NDArray[np.int64]  # (m,) bag of the instance at the centre of each ball
     ball_features: dict[str, NDArray[np.float64]]  # (b, m) for each of `BALL_RULES`
     n_volumes: int
     part_size: int
@@ -38,7 +38,7 @@ class Training:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PanelVolumes:
-    """Volumes of a panel and how near all bags are to them."""
+    """Volumes of a panel, and the nearness of all bags to them."""
 
     volumes: list[PlacedVolume]
     near: NDArray[np.float64]  # (b, k)
@@ -47,10 +47,10 @@ class PanelVolumes:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PanelMember:
-    """What one panel learned in one split, and its scores of the bags left out."""
+    """What a panel learned in one split, and its scores of the left-out bags."""
 
     volumes: list[PlacedVolume]
-    balls: NDArray[np.int64]  # which of the m balls it uses
+    balls: NDArray[np.int64]  # indices of the balls in use
     rule: Rule
     scores: NDArray[np.float64]  # (t,)
 
@@ -58,11 +58,11 @@ class PanelMember:
 def split_bags(
     positive: NDArray[np.bool_], n_splits: int, rng: np.random.Generator
 ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Training and left-out bags of each split; all bags are both if they cannot be split."""
+    """Return training and left-out bags of each split; if splitting is impossible, all bags are both."""
     n_splits = min(n_splits, int(positive.sum()), int((~positive).sum()))
     if n_splits < 2:
         return [(np.arange(len(positive)),) * 2]
-    # The folds of scikit-learn's `StratifiedKFold`, which changes filters of warnings for all threads.
+    # The folds of scikit-learn's `StratifiedKFold`, which would change warning filters for all threads.
     shuffler = LegacyGenerator(int(rng.integers(2**31)))
     fold = np.empty(len(positive), dtype=np.int64)
     n_dealt = 0
@@ -78,7 +78,7 @@ def split_bags(
 def find_split_volumes(
     training: Training, panels: tuple[str, ...], train: NDArray[np.int64], seed: np.random.SeedSequence
 ) -> dict[str, PanelVolumes]:
-    """Let the panels of aggregated volumes find theirs in the bags `train`."""
+    """Aggregate the volumes of each volume panel from the bags `train`."""
     positive = training.positive[train]
     rows, starts = rows_of(training.starts, train)
     found = {}
@@ -86,7 +86,7 @@ def find_split_volumes(
         if name not in training.shown:
             continue
         view, coordinates = training.shown[name]
-        # Named by the panel's place among all, so that leaving one out does not change the others.
+        # The stream's key is fixed for each panel, so leaving one panel out does not change the others.
         rng = generator(stream(seed, PANELS.index(name)))
         volumes = find_volumes(
             name,
@@ -107,7 +107,7 @@ def train_panels(
     train: NDArray[np.int64],
     test: NDArray[np.int64],
 ) -> list[PanelMember]:
-    """Let every panel learn its rule from the bags `train` and score the bags `test`."""
+    """Learn the rule of every panel from the bags `train`, and score the bags `test`."""
     positive = training.positive[train]
     members = []
     for name in panels:

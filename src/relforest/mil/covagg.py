@@ -18,39 +18,42 @@ if TYPE_CHECKING:
 
 @final
 class CovAggClassifier(InstanceClassifier):
-    """Multiple-instance classifier with one covariant, ellipsoidal decision volume.
+    """Multiple-instance classifier with a single ellipsoidal decision volume.
 
     Parameters
     ----------
     window : int, default 8
-        A: aggregation steps over which progress is judged.
+        A: number of aggregation steps over which progress is judged.
     prior_weight : float, default 0.1
-        w of eq. 3.5: weight of the spread of all positive bags' points, at most 1e6.
+        w of eq. 3.5: weight of the covariance of all points in positive bags, at most 1e6.
     max_condition : float, default 1e5
-        c of eq. 3.6: largest condition number of the covariance, at most 1e7.
+        c of eq. 3.6: upper bound of the covariance's condition number, at most 1e7.
     restarts : int, default 4
-        N: positive bags to start from.
+        N: number of positive bags to start from.
     sampled : int, default 4
-        M: bags tried at each step.
-    random_state : int, SeedSequence, Generator or None, default None
-        Seed of the sampling; an integer makes `fit` repeatable.
+        M: number of bags tried at each step.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed of the sampling; an integer makes `fit` reproducible.
 
     Attributes
     ----------
     volume_ : Ellipsoid
-        The decision volume: `mean`, `covariance` (V of eq. 3.6, which the radius refers to), `radius`.
+        The decision volume, with `mean`, `covariance` (V of eq. 3.6) and `radius` (measured by V).
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Bags may be a list of 2-D arrays, a tuple ``(X, bag_ids)`` whose labels follow the order in which
-    bags first appear, a 3-D array (n_bags, size, d), or a 2-D array with one instance per bag.
+    Pass bags as a list of 2-D arrays, as a tuple ``(X, bag_ids)`` with labels in the order in which the bags
+    first appear, as a 3-D array (n_bags, size, d), or as a 2-D array with one instance per bag. Data frames
+    may replace 2-D arrays; `predict` then matches their columns by name.
 
-    The covariance is a full (d, d) matrix, and prediction factorises it: with 10 000 features a fit takes 3
-    seconds, every prediction 11, and both nearly 3 GB.
+    The covariance is a full (d, d) matrix, which prediction factorises: with 10 000 features, a fit takes 3
+    seconds, a prediction 11, and each nearly 3 GB of memory.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Column names of the bags of `fit`, and bags with their columns in that order."""
+"""Matching the columns of bags by name with those seen in `fit`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_LISTED = 5
 
 
 def remember_columns(estimator: BaseEstimator, bags: Bags) -> None:
-    """Set ``n_features_in_`` and, if columns have names, ``feature_names_in_``."""
+    """Set ``n_features_in_`` and, if the columns have names, ``feature_names_in_``."""
     estimator.n_features_in_ = bags.dim
     estimator._columns_in = bags.columns  # noqa: SLF001  # kept by the estimator on behalf of this module
     if bags.has_names:
@@ -31,20 +31,20 @@ def remember_columns(estimator: BaseEstimator, bags: Bags) -> None:
 
 
 def columns_as_in_fit(estimator: BaseEstimator, bags: Bags) -> Bags:
-    """Return bags with their columns in the order of those of `fit`.
+    """Return bags with their columns in the order seen in `fit`.
 
-    Columns are matched by name. Labels that are not names, such as the numbers that pandas gives by default,
-    only count if they are the same as in `fit`.
+    Columns are matched by name. Labels that are not strings, such as pandas' default numbers, are matched
+    only if the same labels were seen in `fit`; otherwise columns are matched by position.
 
     Raises
     ------
     InputError
-        If a column is missing or was not there in `fit`, or the number of features differs.
+        If a column is missing or unknown, or the number of features differs.
 
     Warns
     -----
     UserWarning
-        If only one of the two had names.
+        If columns have names here but had none in `fit`, or the other way round.
     """
     name = type(estimator).__name__
     fitted: tuple[Any, ...] | None = estimator._columns_in  # noqa: SLF001  # set by `remember_columns`

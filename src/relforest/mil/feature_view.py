@@ -1,4 +1,4 @@
-"""Which features a volume looks at, and in which units: columns, scaled and perhaps rotated.
+"""The features that a volume uses and their units: columns, scaled and optionally rotated.
 
 Letters: n points, d features, k columns in use, f coordinates of a view.
 """
@@ -28,9 +28,9 @@ class FeatureView:
     columns : (k,) int64 array
         The features in use.
     centre, scale : (k,) float64 arrays
-        Mean and standard deviation of these features in the training points.
+        Mean and standard deviation of these features over the training points.
     rotation : (f, k) float64 array or None
-        Orthonormal rows, the directions of the coordinates; None if each coordinate is one feature.
+        Directions of the coordinates, as orthonormal rows; None if every coordinate is a single feature.
     """
 
     columns: NDArray[np.int64]
@@ -44,25 +44,25 @@ class FeatureView:
         return len(self.columns) if self.rotation is None else len(self.rotation)
 
     def coordinates(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coordinates of points (n, d) in this view: (n, f)."""
+        """Coordinates of points (n, d) in this view, shape (n, f)."""
         scaled: NDArray[np.float64] = (points[:, self.columns] - self.centre) / self.scale
         return scaled if self.rotation is None else scaled @ self.rotation.T
 
     def original(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of the columns (n, k), in the units of the data, at coordinates (n, f)."""
+        """Values of the columns, in the units of the data, at coordinates (n, f); shape (n, k)."""
         scaled = coordinates if self.rotation is None else coordinates @ self.rotation
         values: NDArray[np.float64] = scaled * self.scale + self.centre
         return values
 
     def part(self, features: NDArray[np.int64]) -> FeatureView:
-        """Return the view of some of the columns, given by their places; only without a rotation."""
+        """Return a view of some of the columns, by their positions; only for views without rotation."""
         return FeatureView(self.columns[features], self.centre[features], self.scale[features])
 
 
 def scaled_view(points: NDArray[np.float64]) -> FeatureView:
-    """View of all features that vary, scaled to unit variance.
+    """Return a view of all features that vary, scaled to unit variance.
 
-    If no feature varies, the first one is kept, and all points coincide.
+    If no feature varies, the first one is kept, so all points coincide.
     """
     units = feature_units(points, "standard")
     columns = np.flatnonzero(units.width > 0.0)
@@ -74,9 +74,9 @@ def scaled_view(points: NDArray[np.float64]) -> FeatureView:
 def principal_view(
     view: FeatureView, coordinates: NDArray[np.float64], n_components: int, rng: np.random.Generator
 ) -> FeatureView:
-    """Rotate a view to its first principal components; `coordinates` (n, k) are the points in it.
+    """Rotate a view to its first principal components; `coordinates` (n, k) are the points in that view.
 
-    Of many points a sample is enough for the leading directions, and keeps the cost bounded.
+    If there are many points, the directions come from a sample, which bounds the cost.
     """
     if len(coordinates) > _MOST_ROWS:
         coordinates = coordinates[np.sort(rng.choice(len(coordinates), _MOST_ROWS, replace=False))]

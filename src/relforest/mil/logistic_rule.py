@@ -1,7 +1,7 @@
-"""Logistic regression with an L2 penalty, of two classes that weigh the same.
+"""Logistic regression with an L2 penalty and equal weight for both classes.
 
-It gives what scikit-learn's `LogisticRegression` gives with its solver "lbfgs", without touching the filters
-of warnings, which belong to all threads.
+The result is that of scikit-learn's `LogisticRegression` with the solver "lbfgs", which, however, changes
+warning filters for all threads of the process.
 
 Letters: b examples, k features.
 """
@@ -28,7 +28,7 @@ _GAIN: Final = 64 * float(np.finfo(np.float64).eps)
 
 
 def balance(positive: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return weights of a negative and a positive example that make both classes weigh the same."""
+    """Return weights for negative and positive examples that give both classes equal total weight."""
     n_positive = np.count_nonzero(positive)
     return len(positive) / (2 * (len(positive) - n_positive)), len(positive) / (2 * n_positive)
 
@@ -36,7 +36,7 @@ def balance(positive: NDArray[np.bool_]) -> tuple[float, float]:
 def fit_logistic(
     features: NDArray[np.float64], positive: NDArray[np.bool_], *, C: float
 ) -> tuple[NDArray[np.float64], float]:
-    """Return weights (k,) and an intercept, which give the logarithm of the odds of the positive class.
+    """Return weights (k,) and an intercept for the log odds of the positive class.
 
     Parameters
     ----------
@@ -44,11 +44,11 @@ def fit_logistic(
     positive : (b,) bool array
         Labels; both values occur.
     C : float
-        Weight of the loss, the classes weighing the same, against half the squared length of the weights.
+        Weight of the loss relative to the penalty, half the squared norm of the weights.
 
     Notes
     -----
-    Ends at a tolerance or after 2000 steps: stopping early is one more kind of regularisation.
+    Stops at a tolerance or after 2000 steps; stopping early acts as regularisation.
     """
     target = positive.astype(np.float64)
     importance = np.where(positive, *reversed(balance(positive)))
@@ -77,9 +77,9 @@ def fit_logistic(
 def _pointwise(
     target: NDArray[np.float64], odds: NDArray[np.float64], importance: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Loss of each example, and its derivative by the logarithm of the odds.
+    """Return the loss of each example and its derivative with respect to the log odds.
 
-    The forms differ so that no exponential overflows and no digits are lost.
+    Each range has a form in which exponentials do not overflow and no digits are lost.
     """
     losses, slopes = np.empty(len(odds)), np.empty(len(odds))
     for i in range(len(odds)):

@@ -1,4 +1,4 @@
-"""How much each panel of a committee counts, judged on bags that it was not trained on.
+"""The weight of each panel of a committee, judged on bags that it was not trained on.
 
 Letters: b bags, p panels.
 """
@@ -13,14 +13,14 @@ from scipy.optimize import minimize
 
 __all__ = ["panel_weights", "score_spread"]
 
-# Pull towards equal weights, so that few bags do not decide between panels.
+# Pull towards equal weights, so that a few bags do not decide between panels.
 _PULL: Final = 1.0
-# Deviation, per score, that rounding alone gives to equal scores.
+# Deviation that rounding alone gives to equal scores, relative to their size.
 _EQUAL: Final = 1e-12
 
 
 def score_spread(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Standard deviation of each panel's scores (b, p), (p,); 1 where all are equal."""
+    """Standard deviation of each panel's scores (b, p), shape (p,); 1 if all are equal."""
     spread: NDArray[np.float64] = scores.std(axis=0)
     return np.where(spread > _EQUAL * np.abs(scores).max(axis=0), spread, 1.0)
 
@@ -28,24 +28,24 @@ def score_spread(scores: NDArray[np.float64]) -> NDArray[np.float64]:
 def panel_weights(
     scores: NDArray[np.float64], positive: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], float]:
-    """Weights of the panels, none negative, and an intercept: log odds of a bag if classes were balanced.
+    """Return non-negative weights of the panels and an intercept, for log odds with balanced classes.
 
     Parameters
     ----------
     scores : (b, p) float64 array
-        Score of each bag by each panel, none of which was trained on that bag.
+        Score of each bag by each panel; no panel was trained on the bags it scores.
     positive : (b,) bool array
-        Labels, both present.
+        Labels; both values occur.
 
     Returns
     -------
     (ndarray (p,), float)
-        What minimises the logistic loss, the classes weighing the same, plus half the squared distance of the
-        weights from 1 / p, both for scores divided by `score_spread`.
+        The minimum of the logistic loss, with equal weight for both classes, plus half the squared distance
+        of the weights from 1 / p, both for scores divided by `score_spread`.
     """
     n_panels = scores.shape[1]
     mean, spread = scores.mean(axis=0), score_spread(scores)
-    # The optimiser stops early where the scores lie far from 0.
+    # The optimiser stops early if scores are far from 0.
     scaled = (scores - mean) / spread
     sign = np.where(positive, 1.0, -1.0)
     balance = np.where(positive, 0.5 / positive.mean(), 0.5 / (1.0 - positive.mean()))

@@ -1,4 +1,4 @@
-"""Volumes with a place among the features, and how near a bag comes to them.
+"""Volumes placed in the feature space, and the nearness of bags to them.
 
 Letters: n points, b bags, f coordinates, m balls, d features.
 """
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 _LOG2: Final = float(np.log(2.0))
-# Points handled at a time where every point meets every ball.
+# Points handled at a time when every point is compared with every ball.
 _BLOCK: Final = 2048
 
 
@@ -41,7 +41,7 @@ def nearness(distances: NDArray[np.float64], radius: float) -> NDArray[np.float6
 
 
 def bag_means(values: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Mean over the points of each bag, (b, ...), of values (n, ...) grouped from `starts` (b + 1,)."""
+    """Mean of values (n, ...) over the points of each bag, given by `starts` (b + 1,); shape (b, ...)."""
     sums: NDArray[np.float64] = np.add.reduceat(values, starts[:-1], axis=0)
     counts = np.diff(starts).reshape(-1, *[1] * (values.ndim - 1))
     means: NDArray[np.float64] = sums / counts
@@ -51,20 +51,20 @@ def bag_means(values: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacedVolume:
-    """An ellipsoid, the features it looks at, and what its presence in a bag is worth.
+    """An ellipsoid, the features it uses, and its weight in the score of a bag.
 
     Attributes
     ----------
     panel : str
-        The panel it belongs to.
+        The panel that the volume belongs to.
     view : FeatureView
-        The coordinates in which the ellipsoid is described; ``view.columns`` are the features.
+        Coordinates in which the ellipsoid is given; ``view.columns`` are the features.
     ellipsoid : Ellipsoid
         The volume.
     seeks_positive : bool
-        Whether it was aggregated from positive bags; otherwise from negative ones.
+        Whether the volume was aggregated from positive bags; otherwise from negative ones.
     weight : float
-        What is added to the score of a bag with an instance at the centre; half of that at the boundary.
+        Added to the score of a bag with an instance at the centre; half of it at the boundary.
     """
 
     panel: str
@@ -75,19 +75,19 @@ class PlacedVolume:
 
     @property
     def centre(self) -> NDArray[np.float64]:
-        """Centre in the units of the data, one value for each of ``view.columns``."""
+        """Centre in the units of the data, one value per column in ``view.columns``."""
         values: NDArray[np.float64] = self.view.original(self.ellipsoid.mean[None])[0]
         return values
 
     def nearness_at(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Nearness of points given by their coordinates (n, f) in the view, (n,)."""
+        """Nearness of points, by their coordinates (n, f) in the view; shape (n,)."""
         return nearness(self.ellipsoid.distance(coordinates), self.ellipsoid.radius)
 
 
 def bag_nearness(
     volumes: Sequence[PlacedVolume], points: NDArray[np.float64], starts: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Nearness of the witness of each bag to each volume, (b, k), for points (n, d)."""
+    """Nearness of each bag's witness to each volume, shape (b, k), for points (n, d)."""
     near = np.empty((len(starts) - 1, len(volumes)))
     for number, values in enumerate(point_nearness(volumes, points)):
         np.maximum.reduceat(values, starts[:-1], out=near[:, number])
@@ -97,8 +97,8 @@ def bag_nearness(
 def point_nearness(
     volumes: Sequence[PlacedVolume], points: NDArray[np.float64]
 ) -> Iterator[NDArray[np.float64]]:
-    """Nearness of all points (n, d) to one volume after the other, each (n,)."""
-    # Views with a rotation are few and dear; those of single features are many and cheap.
+    """Yield the nearness of all points (n, d) to each volume in turn, shape (n,)."""
+    # Rotated views are few and expensive; views of single features are many and cheap.
     rotated: dict[int, NDArray[np.float64]] = {}
     for volume in volumes:
         view = volume.view
@@ -114,7 +114,7 @@ def point_nearness(
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Balls:
-    """Balls of one size around training instances, in a view without rotation.
+    """Balls of equal size around training instances, in a view without rotation.
 
     Attributes
     ----------
@@ -123,10 +123,9 @@ class Balls:
     centres : (m, f) float64 array
         Centres, as coordinates of the view.
     near_radius, share_radius : float
-        Radius for asking whether an instance is near, and for asking what share of them is.
+        Radii for the nearness of the nearest instance and for the mean nearness of all instances.
     near_weights, share_weights : (m,) float64 arrays
-        What is added to the score of a bag with an instance at the centre, and to that of one with all
-        instances there.
+        Added to the score of a bag with an instance at the centre, and of a bag with all instances there.
     """
 
     view: FeatureView
@@ -139,7 +138,7 @@ class Balls:
     def point_nearness(
         self, coordinates: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Nearness of points, by their coordinates (n, f), with either radius: two arrays (n, m)."""
+        """Nearness of points, by their coordinates (n, f), for both radii: two arrays (n, m)."""
         squared = squared_distances(coordinates, self.centres)
         distances = np.sqrt(squared, out=squared)
         return nearness(distances, self.near_radius), nearness(distances, self.share_radius)
@@ -147,7 +146,7 @@ class Balls:
     def bag_nearness(
         self, points: NDArray[np.float64], starts: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the nearness of the witness and the mean nearness for each bag: two arrays (b, m)."""
+        """Nearness of the nearest instance, and mean nearness, for each bag: two arrays (b, m)."""
         n_bags = len(starts) - 1
         nearest, shares = np.empty((n_bags, len(self.centres))), np.empty((n_bags, len(self.centres)))
         for first, last in bag_blocks(starts):
@@ -160,7 +159,7 @@ class Balls:
         return nearest, shares
 
     def without_idle(self) -> Balls:
-        """Return the balls that have a weight."""
+        """Return only the balls with a weight other than 0."""
         busy = np.flatnonzero((self.near_weights != 0.0) | (self.share_weights != 0.0))
         return replace(
             self,
@@ -171,7 +170,7 @@ class Balls:
 
 
 def bag_blocks(starts: NDArray[np.int64]) -> list[tuple[int, int]]:
-    """Ranges of bags, first and behind the last, with few points each unless a bag alone has more."""
+    """Return ranges of bags (first, behind the last) of limited size; a large bag is a range of its own."""
     blocks, first = [], 0
     for bag in range(1, len(starts)):
         if bag == len(starts) - 1 or starts[bag + 1] - starts[first] > _BLOCK:
@@ -181,6 +180,6 @@ def bag_blocks(starts: NDArray[np.int64]) -> list[tuple[int, int]]:
 
 
 def typical_squared_distance(centres: NDArray[np.float64]) -> float:
-    """Median of the squared distances between centres (m, f); 1 where they coincide."""
+    """Median of the squared distances between centres (m, f); 1 if they coincide."""
     median = float(np.median(squared_distances(centres, centres)))
     return median if median > 0.0 else 1.0

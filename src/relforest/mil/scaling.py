@@ -1,4 +1,4 @@
-"""Bringing the features of bags to comparable units, measured over all instances of all bags."""
+"""Scaling the features of bags, by statistics over all instances of all bags."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from relforest.support.options import one_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-# No square of a value divided by this overflows.
+# Values divided by this can be squared without overflow.
 _SMALLEST_WIDTH: Final = 1e-30
-# Range, per largest value, that rounding alone gives to a constant feature.
+# Range that rounding alone gives to a constant feature, relative to its largest value.
 _ROUNDING: Final = 16 * float(np.finfo(np.float64).eps)
 _METHODS: Final = ("standard", "minmax", "deviation")
 _CONTAINERS: Final = ("default", "pandas", "polars")
@@ -30,14 +30,14 @@ _CONTAINERS: Final = ("default", "pandas", "polars")
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class FeatureUnits:
-    """Where each feature lies and how wide it is.
+    """Location and width of each feature.
 
     Attributes
     ----------
     shift : ndarray (d,)
-        What to subtract.
+        Value to subtract; 0 for a constant feature.
     width : ndarray (d,)
-        What to divide by; 0 for a constant feature, whose `shift` is then 0 as well.
+        Value to divide by; 0 for a constant feature.
     """
 
     shift: NDArray[np.float64]
@@ -45,7 +45,7 @@ class FeatureUnits:
 
     @property
     def factors(self) -> NDArray[np.float64]:
-        """1 / width, and 0 for constant features, which thereby drop out of every distance; (d,)."""
+        """1 / width, and 0 for constant features, which removes them from distances; shape (d,)."""
         return np.divide(1.0, self.width, out=np.zeros_like(self.width), where=self.width > 0.0)
 
 
@@ -56,8 +56,8 @@ def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
     ----------
     points : ndarray (n, d)
     method : {"standard", "minmax", "deviation"}
-        Mean and standard deviation; minimum and range; zero and standard deviation. Deviations are those
-        of the population, with n in the denominator.
+        Mean and standard deviation; minimum and range; zero and standard deviation. The denominator of
+        standard deviations is n.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
     else:
         shift = points.mean(axis=0) if method == "standard" else np.zeros_like(low)
         width = points.std(axis=0)
-    # Judged by the range, since even equal values may have a tiny deviation.
+    # The range decides, since even equal values may have a tiny deviation.
     constant = (spread <= _ROUNDING * np.abs(points).max(axis=0)) | (spread < _SMALLEST_WIDTH)
     constant |= width < _SMALLEST_WIDTH
     return FeatureUnits(np.where(constant, 0.0, shift), np.where(constant, 0.0, width))
@@ -85,30 +85,30 @@ class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
     BaseEstimator,  # type: ignore[misc]
     auto_wrap_output_keys=None,
 ):
-    """Scale every feature by what all instances of all training bags show.
+    """Scale every feature by its statistics over all instances of the training bags.
 
     Parameters
     ----------
     method : {"standard", "minmax", "deviation"}, default "standard"
         "standard" subtracts the mean and divides by the standard deviation, "minmax" maps the range to
-        [0, 1], "deviation" only divides by the standard deviation. Constant features stay as they are.
+        [0, 1], "deviation" only divides by the standard deviation. Constant features do not change.
 
     Attributes
     ----------
     shift_ : ndarray (d,)
-        What is subtracted.
+        Values subtracted.
     width_ : ndarray (d,)
-        What is divided by: 1 for constant features.
+        Values divided by; 1 for constant features.
     n_features_in_ : int
         Dimension of the points.
     feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if the bags of `fit` were data frames with string names.
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Bags come back in the form they were given in: as an array, as ``(X, bag_ids)``, or as a list of one
-    array per bag. Data frames come back as arrays, with their columns in the order of `fit`, or as data
-    frames after ``set_output(transform="pandas")``.
+    `transform` returns bags in the form it received: an array, a tuple ``(X, bag_ids)``, or a list of one
+    array per bag. For data frames it returns arrays, with columns in the order of `fit`, or data frames after
+    ``set_output(transform="pandas")``.
 
     References
     ----------
@@ -131,7 +131,7 @@ class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
         self.method = method
 
     def fit(self, bags: object, y: ArrayLike | None = None) -> Self:
-        """Measure the features; labels are ignored.
+        """Compute the statistics of the features; labels are ignored.
 
         Raises
         ------
@@ -147,12 +147,12 @@ class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
         return self
 
     def transform(self, bags: object) -> Any:  # noqa: ANN401  # the form of what was given
-        """Scaled bags, in the form of those given.
+        """Return scaled bags in the form of those passed.
 
         Raises
         ------
         InputError
-            If bags are malformed or have other columns or another number of features.
+            If bags are malformed, or their columns or number of features differ from those in `fit`.
         """
         data = bags_like_those_of_fit(self, bags)
         scaled = (data.points - self.shift_) / self.width_
@@ -171,22 +171,21 @@ class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
         return self._contained(scaled, bags)
 
     def set_output(self, *, transform: str | None = None) -> Self:
-        """Choose what `transform` returns in place of 2-D arrays, as in scikit-learn.
+        """Choose the container that `transform` returns, as in scikit-learn.
 
         Parameters
         ----------
         transform : {"default", "pandas", "polars"} or None
-            "default" for arrays, otherwise data frames of that library, one for each array; None leaves the
-            choice as it is.
+            "default" returns arrays, the others a data frame for every 2-D array; None changes nothing.
 
         Raises
         ------
         InputError
-            If it is neither of these.
+            If `transform` is something else.
         """
         if transform is not None:
             one_of("transform", transform, _CONTAINERS)
-            # Where scikit-learn keeps it, so that clones have it too.
+            # Scikit-learn copies this attribute to clones.
             self._sklearn_output_config = {"transform": transform}
         return self
 
@@ -195,7 +194,7 @@ class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
         return str(chosen or get_config()["transform_output"])
 
     def _contained(self, points: NDArray[np.float64], original: object = None) -> Any:  # noqa: ANN401  # array or frame
-        """Return points (n, d) in the container chosen, with the index of a pandas original."""
+        """Return points (n, d) in the chosen container, with the index of the original if it is pandas."""
         container = self._container()
         if container == "default":
             return points

@@ -1,10 +1,10 @@
-"""Linear machines with few weights: L1 penalty and squared hinge loss, by coordinate descent.
+"""Sparse linear machines: L1 penalty and squared hinge loss, by coordinate descent.
 
-The steps are those of LIBLINEAR, and so are the weights, to the last bit. But LIBLINEAR has one random
-generator for the whole process, so that its result depends on what other threads train at the same time;
-here every machine has its own.
+The algorithm and its results are those of LIBLINEAR, to the last bit. LIBLINEAR, however, shares one random
+generator within a process, so its result depends on what other threads train at the same time; here every
+machine has its own generator.
 
-Dimensions: n examples, k features, the threshold included.
+Dimensions: n examples; k features, including the intercept.
 
 References
 ----------
@@ -48,12 +48,12 @@ class SparseMachine:
     Attributes
     ----------
     coefficients : (k,) array
-        Weights, without the threshold; many are 0.
+        Weights without the intercept; many are 0.
     intercept : float
     n_passes : int
         Passes over the features.
     converged : bool
-        Whether the tolerance was reached before the last allowed pass.
+        Whether the tolerance was reached in fewer passes than allowed.
     """
 
     coefficients: NDArray[np.float64]
@@ -65,8 +65,8 @@ class SparseMachine:
 class Descent(NamedTuple):
     """A machine in training."""
 
-    columns: NDArray[np.float64]  # (k, n), signed by the class
-    prices: NDArray[np.float64]  # (n,) of slack
+    columns: NDArray[np.float64]  # (k, n) features times the sign of the class
+    prices: NDArray[np.float64]  # (n,) price of slack
     curvatures: NDArray[np.float64]  # (k,) upper bounds of half the second derivatives
     weights: NDArray[np.float64]  # (k,)
     slack: NDArray[np.float64]  # (n,) 1 minus the margin
@@ -94,20 +94,20 @@ def train_sparse_machine(
     positive : (n,) bool array
         Labels; both values occur.
     prices : (float, float)
-        Price of slack of negative and of positive examples.
+        Price of slack for negative and for positive examples.
     fit_intercept : bool
-        Whether there is a threshold; it is penalised like a weight.
+        Whether to add an intercept, which is penalised like a weight.
     tol : float
-        Sum of the violations of the optimality conditions at which to stop, as a share of their sum in the
-        first pass, times the share of the rarer class.
+        Training stops when the violations of the optimality conditions add up to less than `tol` times their
+        sum in the first pass, times the share of the smaller class.
     max_passes : int
-        Most passes over the features.
+        Largest number of passes over the features.
     seed : int
-        Decides the order of the features.
+        Seed of the order of the features.
     """
     if features.shape[1] + fit_intercept == 0:
         return SparseMachine(np.empty(0), 0.0, 0, converged=True)
-    # The negative ones first, so that sums are rounded as LIBLINEAR rounds them.
+    # Negative examples first, so that sums are rounded as in LIBLINEAR.
     grouped = np.argsort(positive, kind="stable")
     sign = np.where(positive[grouped], 1.0, -1.0)
     columns = np.empty((features.shape[1] + fit_intercept, len(features)))
@@ -130,7 +130,7 @@ def train_sparse_machine(
 
 def _started(columns: NDArray[np.float64], prices: NDArray[np.float64], seed: int) -> Descent:
     n_weights, n_examples = columns.shape
-    # As scikit-learn derives LIBLINEAR's seed from its own.
+    # Scikit-learn derives LIBLINEAR's seed in this way.
     words = seeded(seed)
     derived = next_word(words) & 0x7FFFFFFF
     while derived > 2**31 - 2:
@@ -159,7 +159,7 @@ def _curvatures(columns: NDArray[np.float64], prices: NDArray[np.float64]) -> ND
 
 @kernel
 def _descend(descent: Descent, tol: float, until: int, max_passes: int) -> None:
-    """Make passes, and end where the violations are small enough or `max_passes` are made."""
+    """Make passes until `until`, or until the violations are small enough; end at `max_passes`."""
     counts, numbers = descent.counts, descent.numbers
     while counts[_PASSES] < until:
         largest, total = _pass(descent)
@@ -171,7 +171,7 @@ def _descend(descent: Descent, tol: float, until: int, max_passes: int) -> None:
             if counts[_ACTIVE] == len(descent.weights):
                 counts[_ENDED] = 1
                 return
-            # Features that were set aside must be looked at once more.
+            # Features that were set aside must be checked again.
             counts[_ACTIVE] = len(descent.weights)
             numbers[_LARGEST] = np.inf
     counts[_ENDED] = counts[_PASSES] >= max_passes
@@ -179,7 +179,7 @@ def _descend(descent: Descent, tol: float, until: int, max_passes: int) -> None:
 
 @kernel
 def _pass(descent: Descent) -> tuple[float, float]:
-    """Improve every active weight once, in random order; the largest violation found, and their sum."""
+    """Improve every active weight once, in random order; return the largest violation and the sum."""
     counts, order, weights = descent.counts, descent.order, descent.weights
     margin = descent.numbers[_LARGEST] / len(descent.slack)
     for place in range(counts[_ACTIVE]):
@@ -212,7 +212,7 @@ def _swap(order: NDArray[np.int64], one: int, other: int) -> None:
 def _derivatives(
     column: NDArray[np.float64], prices: NDArray[np.float64], slack: NDArray[np.float64]
 ) -> tuple[float, float]:
-    """Return the first and second derivative of the loss by one weight."""
+    """Return the first and second derivative of the loss with respect to one weight."""
     slope, curvature = 0.0, 0.0
     for i in range(len(slack)):
         if slack[i] > 0.0:
@@ -224,7 +224,7 @@ def _derivatives(
 
 @kernel
 def _violation(weight: float, slope: float) -> float:
-    """By how much the optimality condition of a weight is violated."""
+    """Return the violation of a weight's optimality condition."""
     if weight > 0.0:
         return abs(slope + 1.0)
     if weight < 0.0:
@@ -244,7 +244,7 @@ def _newton_step(weight: float, slope: float, curvature: float) -> float:
 
 @kernel
 def _move(descent: Descent, k: int, step: float, slope: float) -> None:
-    """Change a weight by a step, halved until the objective decreases enough."""
+    """Change a weight by a step, halving the step until the objective decreases enough."""
     column, prices, slack, weights = descent.columns[k], descent.prices, descent.slack, descent.weights
     penalty = abs(weights[k] + step) - abs(weights[k])
     promised = penalty + slope * step
@@ -252,7 +252,7 @@ def _move(descent: Descent, k: int, step: float, slope: float) -> None:
     for halving in range(_MOST_HALVINGS):
         rest = abs(weights[k] + step) - abs(weights[k]) - _DECREASE * promised
         change = made - step
-        # A bound of the change of the loss often makes it unnecessary to compute it.
+        # Often a bound on the loss is enough, and the loss need not be computed.
         if descent.curvatures[k] * step * step + slope * step + rest <= 0.0:
             for i in range(len(slack)):
                 slack[i] += change * column[i]
@@ -269,7 +269,7 @@ def _move(descent: Descent, k: int, step: float, slope: float) -> None:
         step *= 0.5
         promised *= 0.5
     weights[k] += step
-    # Too many roundings have piled up in the slack.
+    # Rounding errors may have accumulated in the slack.
     slack[:] = 1.0
     for j in range(len(weights)):
         if weights[j] != 0.0:
@@ -279,7 +279,7 @@ def _move(descent: Descent, k: int, step: float, slope: float) -> None:
 
 @kernel
 def _loss(column: NDArray[np.float64], prices: NDArray[np.float64], slack: NDArray[np.float64]) -> float:
-    """Loss of the examples that a column bears on."""
+    """Loss of the examples in which the feature is not 0."""
     loss = 0.0
     for i in range(len(slack)):
         if column[i] != 0.0 and slack[i] > 0.0:

@@ -1,4 +1,4 @@
-"""Squared distances between all points of two sets, by one product of matrices."""
+"""Squared distances between all points of two sets, by one matrix product."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def squared_distances(points: NDArray[np.float64], centres: NDArray[np.float64])
     Returns
     -------
     ndarray (n, k)
-        At least 0, also where rounding would leave less.
+        At least 0, in spite of rounding.
 
     Notes
     -----
-    By |x|^2 + |c|^2 - 2 x.c, which is fast and exact to a few units of the last digit of the largest |x|^2;
-    pass points whose mean is near the origin.
+    Computed as |x|^2 + |c|^2 - 2 x.c, which is fast and exact to a few units in the last place of the largest
+    |x|^2; center the points first.
     """
     values = points @ centres.T
     values *= -2.0

@@ -1,6 +1,6 @@
-"""The Mersenne twister MT19937 for kernels, with a state of its own for every user.
+"""The Mersenne twister MT19937 for kernels, with an explicit state.
 
-Dimensions: a state is 625 uint32 numbers, the last of which is the place of the next word.
+A state is an array of 624 words and, last, the position of the next word.
 
 References
 ----------
@@ -64,7 +64,7 @@ def _twist(state: NDArray[np.int64]) -> None:
 
 @kernel
 def next_below(state: NDArray[np.int64], n: int) -> int:
-    """Return a random integer from 0 to n - 1, for n below 2**31; all are equally probable."""
+    """Return a uniform random integer from 0 to n - 1, for n below 2**31."""
     product = next_word(state) * n
     if product & _WORD < n:
         least = (_WORD + 1 - n) % n

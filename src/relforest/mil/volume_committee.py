@@ -1,4 +1,4 @@
-"""A committee of ellipsoidal volumes, for concepts that no single volume describes."""
+"""A committee of ellipsoidal volumes, for concepts that a single volume cannot describe."""
 
 from __future__ import annotations
 
@@ -46,57 +46,59 @@ _COMPONENTS, _BALLS, _SPLITS, _VOLUMES = range(4)
 class VolumeCommitteeClassifier(BagClassifier):
     """Multiple-instance classifier that weighs the evidence of many ellipsoidal volumes.
 
-    A bag's nearness to a volume is ``2 ** -(D / r) ** 2`` for the Mahalanobis distance D of its witness and
-    the radius r: 1 at the centre, one half on the boundary. The score of a bag is an intercept plus the
-    weighted nearness to every volume. Volumes come from four panels: aggregated in random parts of the
-    features ("parts"), aggregated in the principal components ("components"), and balls around training
-    instances that ask whether an instance is near ("near balls") or for the mean nearness of all instances
-    ("ball shares"). Half of the aggregated volumes are sought by negative bags. The bags are split in turn
-    into some that volumes and weights are learned from, and a rest on which the panels are compared; the more
-    a panel is right there, the more it counts.
+    A bag's nearness to a volume is ``2 ** -(D / r) ** 2``, with D the Mahalanobis distance of its witness and
+    r the radius: 1 at the centre, one half on the boundary. The score of a bag is an intercept plus the
+    weighted nearness to every volume. Volumes come from four panels: ellipsoids aggregated in random subsets
+    of the features ("parts") or in the principal components ("components"), and balls around training
+    instances, which measure the nearness of the nearest instance ("near balls") or the mean nearness of all
+    instances ("ball shares"). Half of the ellipsoids are aggregated from negative bags. Cross-validation over
+    the training bags determines the weight of each panel: volumes and weights are learned from some bags, and
+    the panels compared on the others.
 
     Parameters
     ----------
     n_splits : int, default 5
-        Splits of the training bags, at most as many as there are bags of either class. With 1, nothing is
-        left out and all panels count the same.
+        Number of cross-validation splits, at most the number of bags in the smaller class. With 1, no bags
+        are left out and all panels have equal weight.
     n_volumes : int, default 30
-        Volumes of the "parts" panel in each split; half as many for "components".
+        Number of volumes of the "parts" panel in each split; "components" has half as many.
     part_size : int, default 8
-        Features that a volume of the "parts" panel sees.
+        Number of features used by a volume of the "parts" panel.
     n_components : int, default 20
-        Most principal components.
+        Largest number of principal components.
     n_balls : int, default 1000
-        Most balls.
+        Largest number of balls.
     panels : sequence of str, default all four
-        The panels that take part.
-    random_state : int, SeedSequence, Generator or None, default None
-        Seed of all sampling; an integer makes `fit` repeatable.
+        The panels to use.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed of all sampling; an integer makes `fit` reproducible.
     n_jobs : int, default 1
-        Splits trained at the same time; -1 for all cores. The result does not depend on it.
+        Number of splits trained in parallel; -1 for all cores. Does not affect the result.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
     volumes_ : tuple of PlacedVolume
-        The aggregated volumes with their weights, the weightiest first.
+        The aggregated volumes, sorted by descending absolute weight.
     balls_ : Balls
         The balls and their weights.
     intercept_ : float
-        Score of a bag that is near no volume.
+        Score of a bag far from all volumes.
     panel_weights_ : dict of str to float
-        What each panel's score counts, after scaling it to unit standard deviation.
+        Weight of each panel's score, scaled to unit standard deviation.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Both classes weigh the same wherever something is fitted, so the threshold of 0 suits balanced classes,
-    whatever their frequencies in training. Features are scaled to unit variance and constant ones ignored;
-    the units of the features do not matter. With fewer than two bags of a class nothing can be left out.
+    Both classes have equal weight in every fit, so the threshold of 0 suits balanced classes, whatever their
+    frequencies in training. Features are scaled to unit variance, so their units do not matter; constant
+    features are ignored. If a class has a single bag, no bags are left out.
 
     References
     ----------
@@ -117,7 +119,7 @@ class VolumeCommitteeClassifier(BagClassifier):
     array([1, 1, 0])
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn knows no other way to set options
+    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
         self,
         *,
         n_splits: int = 5,
@@ -193,7 +195,7 @@ class VolumeCommitteeClassifier(BagClassifier):
         panels: tuple[str, ...],
         seed: np.random.SeedSequence,
     ) -> dict[str, tuple[FeatureView, NDArray[np.float64]]]:
-        """Return the view of each volume panel, and the points in it."""
+        """Return the view of each volume panel, and the points in that view."""
         coordinates = view.coordinates(points)
         shown = {name: (view, coordinates) for name in panels if name in VOLUME_PANELS}
         rotated = [name for name in shown if VOLUME_PANELS[name].space == "components"]
@@ -250,17 +252,17 @@ class VolumeCommitteeClassifier(BagClassifier):
         return scores
 
     def influences(self, bags: object) -> list[NDArray[np.float64]]:
-        """How much each instance adds to the score of its bag: one array per bag, in the bag's order.
+        """Contribution of each instance to the score of its bag; one array per bag, in the bag's order.
 
-        It is what the score would lose without the instance; for the only instance of a bag, the score less
-        the intercept.
+        This is the score minus the score without the instance; for the only instance of a bag, the score
+        minus the intercept.
 
         Raises
         ------
         NotFittedError
             Before `fit`.
         InputError
-            If bags are malformed or have another number of features than those of `fit`.
+            If bags are malformed, or their columns or number of features differ from those in `fit`.
         """
         data = self._checked(bags)
         with one_blas_thread():

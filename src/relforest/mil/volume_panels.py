@@ -1,7 +1,7 @@
-"""Panels of a committee of volumes: how their volumes are found and what each is worth.
+"""Panels of a committee of volumes: how their volumes are found and weighted.
 
-A panel is a set of volumes found in one way, together with a linear rule that says how much the nearness of a
-bag to each of them counts. Letters: b bags, k volumes of a panel.
+A panel is a set of volumes found by one method, with a linear rule that weights the nearness of a bag to each
+volume. Letters: b bags, k volumes of a panel.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ __all__ = [
 @final
 @dataclass(frozen=True, slots=True)
 class VolumePanel:
-    """How the aggregated volumes of a panel are found.
+    """Settings for aggregating the volumes of a panel.
 
     Parameters
     ----------
     space : {"parts", "components"}
-        Whether each volume lives in a random part of the features, or all in the principal components.
+        Whether each volume uses a random subset of the features, or all volumes the principal components.
     share : float
-        Volumes found in this way per volume of the "parts" panel; components cost more.
+        Number of volumes relative to the "parts" panel; components are more expensive.
     least_ratio : float
-        The bags that a volume is to hold may be outnumbered by the others down to this ratio, so that one of
-        the others inside costs more and volumes become purer.
+        Smallest ratio of bags to enclose to bags to exclude. With more bags to exclude, each one enclosed
+        costs more, and volumes become purer.
     conditions : tuple of float
         Condition numbers c of eq. 3.6 to choose from.
     """
@@ -68,7 +68,7 @@ VOLUME_PANELS: Final[Mapping[str, VolumePanel]] = MappingProxyType(
 NEAR_BALLS: Final = "near balls"
 BALL_SHARES: Final = "ball shares"
 PANELS: Final = (*VOLUME_PANELS, NEAR_BALLS, BALL_SHARES)
-# Every volume leaves some bags out, so that no two are grown from the same ones.
+# Every volume leaves some bags out, so that no two are aggregated from the same bags.
 _SAMPLED: Final = 0.9
 _RESTARTS: Final = 2
 
@@ -76,18 +76,18 @@ _RESTARTS: Final = 2
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Rule:
-    """A linear rule for the nearness (b, k) of bags to the volumes of a panel."""
+    """A linear rule on the nearness (b, k) of bags to the volumes of a panel."""
 
     coefficients: NDArray[np.float64]
     intercept: float
 
     def scores(self, near: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of each bag, (b,)."""
+        """Score of each bag, shape (b,)."""
         scores: NDArray[np.float64] = near @ self.coefficients + self.intercept
         return scores
 
 
-# Where all balls are around instances of bags left out.
+# For splits in which every ball is around an instance of a left-out bag.
 _NO_RULE: Final = Rule(np.empty(0), 0.0)
 
 
@@ -107,18 +107,18 @@ def find_volumes(
     panel : str
         A key of `VOLUME_PANELS`.
     view : FeatureView
-        Coordinates that the volumes, or the parts that they see, are taken from.
+        Coordinates of the volumes, or of which they use a part.
     bags : (coordinates (n, f), starts (b + 1,), positive (b,))
         The training points in that view.
     n_volumes, part_size : int
-        Volumes of the "parts" panel, and the number of features that each of them sees.
+        Number of volumes in the "parts" panel, and of features in each of them.
     rng : Generator
-        Source of the sampled bags and features.
+        Samples bags and features.
 
     Returns
     -------
     list of PlacedVolume
-        With a weight of 0.
+        With weights of 0.
     """
     plan = VOLUME_PANELS[panel]
     coordinates, starts, positive = bags
@@ -143,7 +143,7 @@ def find_volumes(
 def rows_of(
     starts: NDArray[np.int64], chosen: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows of the points of chosen bags, bag after bag, and where these bags start among them."""
+    """Return the rows of the points of chosen bags, and where each bag starts among these rows."""
     counts = np.diff(starts)[chosen]
     new_starts = np.concatenate([[0], np.cumsum(counts)])
     rows = np.arange(new_starts[-1]) + np.repeat(starts[chosen] - new_starts[:-1], counts)
@@ -151,17 +151,17 @@ def rows_of(
 
 
 def volume_rule(near: NDArray[np.float64], positive: NDArray[np.bool_], *, penalty: float = 1.0) -> Rule:
-    """Logistic regression on the nearness (b, k), with classes of equal weight."""
+    """Fit logistic regression to the nearness (b, k), with equal weight for both classes."""
     if near.shape[1] == 0:
         return _NO_RULE
     return Rule(*fit_logistic(near, positive, C=penalty))
 
 
 def _near_ball_rule(near: NDArray[np.float64], positive: NDArray[np.bool_]) -> Rule:
-    """Select few balls, as MILES does: squared hinge loss with an L1 penalty."""
+    """Select a few balls, as MILES does: squared hinge loss with an L1 penalty."""
     if near.shape[1] == 0:
         return _NO_RULE
-    # Stopping early is one more kind of regularisation here: the panel is judged on other bags.
+    # Stopping early acts as regularisation: the panel is judged on other bags.
     machine = train_sparse_machine(
         near, positive, balance(positive), fit_intercept=True, tol=1e-4, max_passes=3000, seed=0
     )
@@ -180,7 +180,7 @@ BALL_RULES: Final[Mapping[str, Callable[[NDArray[np.float64], NDArray[np.bool_]]
 def _sample_bags(
     wanted: NDArray[np.bool_], least_ratio: float, rng: np.random.Generator
 ) -> NDArray[np.int64]:
-    """Sample bags of both classes: equally many, or fewer wanted ones down to a random ratio."""
+    """Sample bags of both classes, in equal numbers or with fewer wanted ones, by a random ratio."""
     inside, outside = np.flatnonzero(wanted), np.flatnonzero(~wanted)
     ratio = float(np.exp(rng.uniform(np.log(least_ratio), 0.0)))
     n_outside = max(1, int(_SAMPLED * min(len(outside), len(inside) / ratio)))

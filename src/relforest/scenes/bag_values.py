@@ -1,4 +1,4 @@
-"""The numbers of one array of points, whatever holds them: arrays, nested lists, data frames."""
+"""Converting arrays, nested lists and data frames of points to numbers."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ class BagTypeError(InputError, TypeError):
 
 
 class Values(NamedTuple):
-    """Numbers, and the labels of the columns they came from."""
+    """Numbers, and the labels of their columns."""
 
     array: FloatArray
-    columns: tuple[Any, ...] | None = None  # None where nothing labels them
+    columns: tuple[Any, ...] | None = None  # None if unlabelled
 
 
 def are_names(columns: tuple[Any, ...] | None) -> bool:
-    """Whether columns have names: as in scikit-learn, only strings are names."""
+    """Whether columns have names; only strings count as names, as in scikit-learn."""
     return columns is not None and all(isinstance(label, str) for label in columns)
 
 
 def as_values(values: object, what: str) -> Values:
-    """Return numbers as a new float64 array of any shape.
+    """Convert numbers to a new float64 array of any shape.
 
     Parameters
     ----------
@@ -57,8 +57,8 @@ def as_values(values: object, what: str) -> Values:
     Raises
     ------
     InputError
-        If rows differ in length, a value is not a real number or is masked, or column names are of mixed
-        types or repeated. Missing values become NaN.
+        If rows differ in length, a value is not a real number or is masked, or column names are repeated or
+        of mixed types. Missing values become NaN.
     """
     if _is_frame(values):
         return _from_frame(values, what)
@@ -80,7 +80,7 @@ def as_values(values: object, what: str) -> Values:
 
 
 def in_order_of(reference: Sequence[Any], values: Values) -> Values:
-    """Return values with their labelled columns in the order of `reference`, which has the same labels."""
+    """Return values with labelled columns in the order of `reference`, which contains the same labels."""
     if values.columns is None or values.columns == tuple(reference):
         return values
     place = {label: number for number, label in enumerate(values.columns)}
@@ -88,7 +88,7 @@ def in_order_of(reference: Sequence[Any], values: Values) -> Values:
 
 
 def dimensions(value: object) -> int:
-    """Return the number of dimensions without converting nested lists whole."""
+    """Return the number of dimensions, without converting nested lists."""
     shape = getattr(value, "shape", None)
     if isinstance(shape, tuple):
         return len(shape)
@@ -136,7 +136,7 @@ def _from_frame(frame: object, what: str) -> Values:
 def _as_floats(array: np.ndarray[Any, Any], what: str) -> FloatArray:
     kind = array.dtype.kind
     if kind in "fiub":
-        # A long double may be too large for a float; it is then infinite, and refused as such.
+        # A long double may be too large for a float; it becomes infinite and is refused later.
         with np.errstate(over="ignore"):
             return array.astype(np.float64)
     if kind == "O":
@@ -148,7 +148,7 @@ def _as_floats(array: np.ndarray[Any, Any], what: str) -> FloatArray:
 
 
 def _as_float(value: object, what: str) -> float:
-    # The second is pandas' missing value.
+    # The second test is for pandas' missing value.
     if value is None or type(value).__name__ == "NAType":
         return float("nan")
     if isinstance(value, (str, bytes)):
@@ -166,7 +166,7 @@ def _as_float(value: object, what: str) -> float:
 
 
 def _refuse_kind(kind: str, what: str) -> None:
-    """Raise an error if arrays of this kind (of NumPy) contain no real numbers."""
+    """Raise an error for arrays of this (NumPy) kind, unless they contain real numbers."""
     if kind == "c":
         raise InputError(f"Complex data not supported: {what} contains complex numbers")
     if kind in "USTa":

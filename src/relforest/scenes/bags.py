@@ -1,4 +1,4 @@
-"""Bags of points, the input of multiple-instance learning, in one layout whatever form they came in."""
+"""Bags of points, the input of multiple-instance learning, in a common layout."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from relforest.support.masks import refuse_masked
 __all__ = ["LARGEST_VALUE", "BagTypeError", "Bags", "as_bags", "own_labels"]
 
 LARGEST_VALUE: Final = 1e30
-"""Squares of differences of such values, and sums of many of these, stay far from overflow."""
+"""Squared differences of such values, and sums of many of them, do not overflow."""
 
 
 @final
@@ -36,17 +36,18 @@ class Bags:
     Attributes
     ----------
     points : (n_points, d) float array
-        Bag after bag, the rows of each as they were given; C-contiguous, none beyond `LARGEST_VALUE`.
+        Grouped by bag, in the given order within each bag; C-contiguous, with values of at most
+        `LARGEST_VALUE`.
     starts : (n_bags + 1,) int64 array
-        Bag ``i`` is ``points[starts[i] : starts[i + 1]]``; none is empty.
+        Bag ``i`` is ``points[starts[i] : starts[i + 1]]``; no bag is empty.
     bag_ids : (n_bags,) array
-        Identifiers in order of first appearance; 0, 1, 2, ... where none were given.
+        Identifiers in order of first appearance; 0, 1, 2, ... if none were given.
     columns : tuple or None
-        Labels of the components of a point, from the columns of data frames; None for other input.
+        Labels of the components of points, from the columns of data frames; None for other input.
     form : {"list", "identified", "rows", "cube"}
-        How the bags were given: one by one, with an identifier per point, as a 2-D array or as a 3-D array.
+        Form of the input: an array per bag, an identifier per point, a 2-D array, or a 3-D array.
     rows : (n_points,) int64 array or None
-        Which row of the array given each point was, if the form is "identified".
+        Row of each point in the input, if `form` is "identified".
     """
 
     points: FloatArray
@@ -72,33 +73,33 @@ class Bags:
 
     @property
     def has_names(self) -> bool:
-        """Whether columns have names; as in scikit-learn, only strings are names."""
+        """Whether columns have names; only strings count as names, as in scikit-learn."""
         return are_names(self.columns)
 
 
 def as_bags(bags: Any) -> Bags:  # noqa: ANN401  # in many forms
-    """Bring bags of points into one layout.
+    """Convert bags of points to the common layout.
 
     Parameters
     ----------
     bags : list of (n_i, d) arrays, (X, bag_ids), 3-D array, 2-D array, or BagSet
-        A sequence with one array per bag; or a tuple of an (n_points, d) array and (n_points,) integer or
-        string identifiers, the rows of a bag being anywhere; or an (n_bags, n, d) array; or an (n_bags, d)
-        array, read as one point per bag; or a value with a list of bags as its attribute ``bags``. An object
-        array of one column, with a bag in each cell, is a sequence. Pandas, polars and pyarrow tables count
-        as 2-D arrays; their columns are matched by name across bags.
+        A sequence with one array per bag; a tuple of an (n_points, d) array and (n_points,) integer or string
+        identifiers, with the rows of a bag in any place; an (n_bags, n, d) array; an (n_bags, d) array, with
+        one point per bag; or a `relforest.datasets.BagSet`. An object array with a single column and a bag in
+        every cell counts as a sequence. Pandas, polars and pyarrow tables may replace 2-D arrays; the columns
+        of different bags are matched by name.
 
     Returns
     -------
     Bags
-        In the order given, or of the identifiers' first appearance.
+        In the given order, or in the order of first appearance of identifiers.
 
     Raises
     ------
     InputError
-        If there are no bags, a bag is empty, bags differ in width or in the names of their columns, a value
-        is NaN, infinite, beyond 1e30, masked, or not a real number, or the input is sparse or of another
-        shape. Messages follow scikit-learn's wording where it has one.
+        If there are no bags, a bag is empty, bags differ in width or column names, a value is NaN, infinite,
+        larger than 1e30, masked or not a real number, or the input is sparse or of another shape. Messages
+        use scikit-learn's wording where possible.
     """
     if _is_bag_set(bags):
         bags = bags.bags
@@ -113,30 +114,30 @@ def as_bags(bags: Any) -> Bags:  # noqa: ANN401  # in many forms
     if array.ndim < 2:
         raise InputError(
             f"Expected 2D array, got {array.ndim}D array instead. Reshape your data: array.reshape(-1, 1) "
-            "makes one point with one component per bag, a list of 2-D arrays gives one array per bag."
+            "for one point with one component per bag, or a list of 2-D arrays, one per bag."
         )
     if array.ndim > 3:
         raise InputError(f"bags must be a 2-D or 3-D array, got the shape {array.shape}")
     n_bags, size = array.shape[0], array.shape[1] if array.ndim == 3 else 1
     if n_bags and not size:
-        raise InputError(f"every bag is empty, shape {array.shape}: each needs at least one point")
+        raise InputError(f"every bag is empty (shape {array.shape}): each needs at least one point")
     counts = np.full(n_bags, size)
     found = _bags(array.reshape(n_bags * size, array.shape[-1]), counts, np.arange(n_bags), columns)
     return replace(found, form="rows" if array.ndim == 2 else "cube")
 
 
-def own_labels(bags: Any) -> Any:  # noqa: ANN401  # as they were given
-    """Return the labels of a bag set (`relforest.datasets.BagSet`), and None for any other form of bags."""
+def own_labels(bags: Any) -> Any:  # noqa: ANN401  # of any type
+    """Return the labels of a `relforest.datasets.BagSet`, and None for other forms of bags."""
     return bags.labels if _is_bag_set(bags) else None
 
 
 def _is_bag_set(bags: object) -> bool:
-    # A data frame gives its columns as attributes, but never as a list.
+    # The columns of data frames are attributes too, but not lists.
     return isinstance(getattr(bags, "bags", None), list) and hasattr(bags, "labels")
 
 
 def _from_cells(bags: object) -> object:
-    """Return a column of objects with a bag in each cell as a list; anything else as it is."""
+    """Convert a column with a bag in every cell to a list; return anything else unchanged."""
     column = np.asarray(bags) if hasattr(bags, "to_numpy") and dimensions(bags) == 1 else bags
     if not isinstance(column, np.ndarray) or column.dtype != object:
         return bags
@@ -155,7 +156,7 @@ def _from_sequence(bags: Sequence[Any]) -> Bags:
     every = [as_values(bag, f"bag {number}") for number, bag in enumerate(bags)]
     for number, (array, _) in enumerate(every):
         if array.ndim in (1, 2) and not len(array):
-            raise InputError(f"bag {number} is empty: each needs at least one point, leave it out or fill it")
+            raise InputError(f"bag {number} is empty: remove it, or add at least one point")
         if array.ndim != 2:
             raise InputError(
                 f"bag {number} must be a 2-D array, one row per point, got the shape {array.shape}"
@@ -173,7 +174,7 @@ def _from_sequence(bags: Sequence[Any]) -> Bags:
 
 
 def _can_be_joined(bags: Sequence[Any]) -> bool:
-    """Whether all bags are plain arrays of numbers in which nothing but a value can be wrong."""
+    """Whether all bags are plain arrays of numbers of the right shape, so that only values need checking."""
     if set(map(type, bags)) != {np.ndarray}:
         return False
     widths = {bag.shape[1:] for bag in bags}
@@ -189,7 +190,7 @@ def _can_be_joined(bags: Sequence[Any]) -> bool:
 def _like_the_first(every: list[Values], number: int) -> Values:
     """Return the values of a bag with their columns in the order of the first bag.
 
-    Labels that are not names, such as the 0, 1, ... that pandas gives by default, may differ between bags.
+    Labels that are not names, such as pandas' default numbers, may differ between bags.
     """
     first, values = every[0], every[number]
     if are_names(first.columns) != are_names(values.columns):
@@ -215,7 +216,7 @@ def _from_identified(points: object, bag_ids: object) -> Bags:
     if array.ndim != 2:
         raise InputError(
             f"Expected 2D array, got {array.ndim}D array instead. Reshape your data to one row per point, "
-            "next to its bag id."
+            "with one bag id per row."
         )
     ids = as_ids("bag_ids", bag_ids)
     if len(ids) != len(array):
@@ -237,7 +238,7 @@ def _bags(
         )
     starts = np.zeros(len(counts) + 1, dtype=np.int64)
     np.cumsum(counts, out=starts[1:])
-    # Also catches NaN.
+    # NaN is not allowed either.
     allowed = np.abs(points) <= LARGEST_VALUE
     if not allowed.all():
         point, component = np.argwhere(~allowed)[0]
@@ -251,5 +252,5 @@ def _bags(
 
 
 def _is_sequence_of_bags(entries: Sequence[object]) -> bool:
-    """Whether entries are bags, not the rows of one array; an empty bag may look like a row."""
+    """Whether entries are bags instead of rows of one array; an empty bag may look like a row."""
     return dimensions(entries[0]) > 0 and any(dimensions(entry) != 1 for entry in entries)

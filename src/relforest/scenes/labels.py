@@ -47,17 +47,17 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
     n_expected : int
         How many labels there should be.
     what : str
-        What is labelled, for messages: "scenes" or "bags".
+        The labelled things, for error messages: "scenes" or "bags".
 
     Raises
     ------
     InputError
-        If the number of labels is wrong, one is missing, masked, NaN or infinite, or there are not exactly
-        two classes. Messages follow scikit-learn's wording where it has one.
+        If the number of labels is wrong, a label is missing, masked, NaN or infinite, or there are not
+        exactly two classes. Messages use scikit-learn's wording where possible.
     """
     labels = _column(y)
     if isinstance(y, (list, tuple)) and labels.dtype.kind == "U" and not all(isinstance(v, str) for v in y):
-        # NumPy has made strings of the numbers among them.
+        # NumPy has converted numbers to strings.
         labels = np.array(y, dtype=object)
     if len(labels) != n_expected:
         raise InputError(f"got {len(labels)} labels for {n_expected} {what}: give one label for each")
@@ -112,10 +112,10 @@ def _column(y: ArrayLike) -> NDArray[Any]:
 
 
 def _of_one_type(labels: NDArray[Any], what: str) -> NDArray[Any]:
-    """Return objects that are all strings as they are, and objects that are all numbers as numbers."""
+    """Return an object array unchanged if all labels are strings, and as numbers if all are numbers."""
     if all(isinstance(label, str) for label in labels):
         return labels
-    # NumPy counts time differences among the integers.
+    # NumPy's time differences are instances of its integers.
     odd = [label for label in labels if not isinstance(label, _NUMBERS) or isinstance(label, np.timedelta64)]
     if odd:
         raise InputError(_unknown(odd[0], what))

@@ -1,4 +1,4 @@
-"""One BLAS thread for as long as any thread of the process asks for it."""
+"""Limiting BLAS to one thread, for blocks that may overlap in several threads."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["one_blas_thread"]
 
 @final
 class _Limit:
-    """How many blocks ask for one thread, and what to restore when the last of them ends."""
+    """The number of blocks that require the limit, and the settings to restore after the last one."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -25,11 +25,11 @@ class _Limit:
         self._restored: list[tuple[Any, int]] = []
 
     def enter(self) -> None:
-        """Set the limit if no other block has."""
+        """Set the limit, unless another block has."""
         with self._lock:
             if self._count == 0:
                 if self._libraries is None:
-                    # To look for them takes longer than a small fit.
+                    # Searching for them takes longer than a small fit.
                     self._libraries = ThreadpoolController().select(user_api="blas").lib_controllers
                 self._restored = [(library, library.get_num_threads()) for library in self._libraries]
                 for library, n_threads in self._restored:
@@ -37,7 +37,7 @@ class _Limit:
             self._count += 1
 
     def leave(self) -> None:
-        """Restore the numbers of threads if no other block needs the limit."""
+        """Restore the numbers of threads, unless another block requires the limit."""
         with self._lock:
             self._count -= 1
             if self._count == 0:
@@ -45,14 +45,14 @@ class _Limit:
                     _set_threads(library, n_threads, 1)
 
     def after_fork(self) -> None:
-        """Free the lock in a child process, in which no thread is left that could."""
+        """Replace the lock in a child process, where its owner may not exist."""
         self._lock = threading.Lock()
 
 
 def _set_threads(library: Any, n_threads: int, current: int) -> None:  # noqa: ANN401  # threadpoolctl is untyped
     if n_threads != current:
-        # New versions of threadpoolctl ignore every thread but the first that sets a limit, so the last to
-        # leave could not lift it.
+        # Recent versions of threadpoolctl let only one thread change limits, but the last block to end may be
+        # in another.
         getattr(library, "_real_set_num_threads", library.set_num_threads)(n_threads)
 
 
@@ -62,10 +62,10 @@ os.register_at_fork(after_in_child=_LIMIT.after_fork)
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Keep NumPy's and SciPy's BLAS to one thread inside the ``with`` block, in the whole process.
+    """Limit NumPy's and SciPy's BLAS to one thread during the ``with`` block, in the whole process.
 
-    Blocks may overlap, in one thread or several: the first to begin sets the limit, and the last to end
-    restores the numbers of threads that the first one found.
+    Blocks may overlap in one thread or several: the first one sets the limit, and the last one to end
+    restores the previous numbers of threads.
     """
     _LIMIT.enter()
     try:

@@ -1,4 +1,4 @@
-"""Masked values, which NumPy silently replaces by what lies under the mask."""
+"""Refusing masked values, for which NumPy's conversions use the data under the mask."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def refuse_masked(values: object, what: str) -> None:
     ----------
     values : object
     what : str
-        Name for error messages, with a verb in the singular: "bag 3".
+        Name for error messages, such as "bag 3".
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checks of parameter values: each returns a plain Python value or raises an error naming the parameter."""
+"""Checks of options; each returns a plain Python value, or raises an error that names the option."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ def at_least(name: str, value: object, low: int) -> int:
     Parameters
     ----------
     name : str
-        The name of the option, as the user wrote it.
+        Name of the option, for error messages.
     value : object
-        Any integer, NumPy's included; booleans and floats are refused.
+        Any integer, including NumPy's, but not a boolean or float.
     low : int
         The smallest value allowed.
 
@@ -80,13 +80,13 @@ def in_range(
     Parameters
     ----------
     name : str
-        The name of the option, as the user wrote it.
+        Name of the option, for error messages.
     value : object
-        Any real number, NumPy's included; booleans and NaN are refused.
+        Any real number, including NumPy's, but not a boolean or NaN.
     low, high : float
-        The bounds; use ``math.inf`` with ``open_high=True`` for "any finite number of at least ``low``".
+        The bounds; use ``math.inf`` and ``open_high=True`` for any finite number of at least ``low``.
     open_low, open_high : bool
-        Whether the bound itself is excluded.
+        Whether to exclude the bound itself.
 
     Returns
     -------
@@ -96,10 +96,10 @@ def in_range(
     Raises
     ------
     InputError
-        If ``value`` is not a number, or lies outside the bounds.
+        If ``value`` is not a number, or is out of bounds.
     """
     if not isinstance(value, bool) and isinstance(value, numbers.Real):
-        # An integer may be too large for a float; it is then outside all bounds.
+        # An integer too large for a float is outside all bounds.
         with suppress(OverflowError):
             number = float(value)
             above = number > low if open_low else number >= low
@@ -112,16 +112,16 @@ def in_range(
 
 
 def one_of(name: str, value: object, choices: Sequence[str]) -> str:
-    """Check that an option is one of a few words.
+    """Check that an option is one of several words.
 
     Parameters
     ----------
     name : str
-        The name of the option, as the user wrote it.
+        Name of the option, for error messages.
     value : object
         The word to check.
     choices : sequence of str
-        The words allowed.
+        The allowed words.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     Raises
     ------
     InputError
-        If ``value`` is none of ``choices``.
+        If ``value`` is not in ``choices``.
     """
     if isinstance(value, str) and value in choices:
         return value

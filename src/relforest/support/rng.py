@@ -1,9 +1,8 @@
-"""One seed per run, and from it any number of independent random streams, each named by integers.
+"""One seed per run, and any number of independent random streams derived from it, each named by integers.
 
-Nothing in relforest uses global random state. A run owns one `numpy.random.SeedSequence`; `stream` derives
-the child with a given name from it without changing it, so that what one part of a run draws never depends
-on what another part drew before, on the number of workers, or on where an interrupted run was taken up
-again.
+relforest never uses global random state. A run has one `numpy.random.SeedSequence`, from which `stream`
+derives children by name without changing it. What one part of a run draws therefore does not depend on what
+another part drew before, on the number of workers, or on where an interrupted run was resumed.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ _WORD = 2**32
 
 
 def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
-    """Turn what a user passes as ``random_state`` into the seed of a run.
+    """Convert a user's ``random_state`` to the seed of a run.
 
     Parameters
     ----------
     random_state : int, SeedSequence, Generator, RandomState or None
-        An integer of at least 0 gives the same run every time; a sequence is used as it is; a generator, also
-        one of NumPy's older kind, is asked for 128 bits, so that successive calls differ; None takes fresh
-        entropy from the operating system.
+        A non-negative integer gives the same run every time; a SeedSequence is used as is; a Generator or
+        RandomState is asked for 128 bits, so that successive calls differ; None uses fresh entropy from the
+        operating system.
 
     Returns
     -------
@@ -72,12 +71,12 @@ def stream(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:
     Returns
     -------
     numpy.random.SeedSequence
-        Statistically independent of its parent and of every child with another name.
+        Statistically independent of its parent and of children with other names.
 
     Raises
     ------
     InputError
-        If a part of ``key`` lies outside that range.
+        If a part of ``key`` is outside this range.
     """
     for part in key:
         if not 0 <= part < _WORD:
@@ -87,5 +86,5 @@ def stream(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:
 
 
 def generator(seed: np.random.SeedSequence) -> np.random.Generator:
-    """Return a new PCG64 generator at the start of the stream that ``seed`` names."""
+    """Return a new PCG64 generator at the start of the stream named by ``seed``."""
     return np.random.Generator(np.random.PCG64(seed))

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Why a scene was predicted as it was.
+    """The reason for the prediction of a scene.
 
     Parameters
     ----------
@@ -42,11 +42,11 @@ class Explanation:
     leaf : int
         Ordinal of the deciding leaf.
     witnesses : dict of str to object
-        Variable -> identifier of the bound object, for the most representative instantiation sequence
-        that reaches the leaf; None where no object was left to bind.
+        Identifiers of the bound objects by variable, for the most representative instantiation sequence that
+        reaches the leaf; None if no object was left to bind.
     densities : tuple of float
-        How typical the witnesses are at each question above the leaf, root first: 1 at the centre of
-        its volume, 0 far away or where the question could not be answered.
+        How typical the witnesses are for each question above the leaf, starting at the root: 1 at the centre
+        of its volume, 0 far away or if the question could not be answered.
     """
 
     scene: object
@@ -56,7 +56,7 @@ class Explanation:
     densities: tuple[float, ...]
 
     def __str__(self) -> str:
-        """One line."""
+        """Return the explanation on one line."""
         bound = ", ".join(f"{name} = {witness}" for name, witness in self.witnesses.items())
         found = f"probability {probability(self.probability)}, leaf {self.leaf}"
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
@@ -69,33 +69,33 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     Parameters
     ----------
     test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
-        How a question must prove itself. The likelihood ratio test is the source's and fast, but
-        accepts questions on noise more often than `alpha`; the permutation test keeps its level.
+        Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
+        questions on pure noise more often than `alpha`; the permutation test keeps its level.
     alpha : float, default 0.05
         Significance level.
     attempts : int, default 3
-        Tries for each possible question.
+        Number of attempts at each possible question.
     permutations : int, default 99
-        Shuffles of the permutation test.
+        Number of permutations in the permutation test.
     max_points : int, default 100_000
-        Expansions with more instantiation sequences than this are left out; `n_left_out_` counts them.
-    random_state : int, SeedSequence, Generator or None, default None
-        Seed; an integer makes `fit` repeatable.
+        Expansions with more instantiation sequences are left out, and counted by `n_left_out_`.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
-        Threads for prediction, -1 = one per core. Nothing depends on it but time.
+        Number of threads for prediction; -1 for all cores. Does not affect the result.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
     tree_ : Tree
-        The learned tree: ``print(model.tree_)`` tells it in words.
+        The learned tree; ``print(model.tree_)`` describes it in words.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     steps_ : tuple of Step
-        The accepted questions in the order of learning, with p-values.
+        The accepted questions, with p-values, in the order in which they were learned.
     n_left_out_ : int
-        Expansions left out because of `max_points`.
+        Number of expansions left out because of `max_points`.
 
     References
     ----------
@@ -151,7 +151,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         Raises
         ------
         InputError
-            If the labels do not fit the scenes or have not two classes, or a parameter is out of range.
+            If the labels do not match the scenes or are not of two classes, or a parameter is out of range.
         """
         settings = TreeSettings(
             test=self.test,
@@ -171,23 +171,23 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         return self
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, (n_scenes, 2)."""
+        """Probability of each class, shape (n_scenes, 2)."""
         positive = self._leaf_probabilities()[self.apply(scenes)]
         return np.column_stack([1.0 - positive, positive])
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, (n_scenes,)."""
+        """Most probable class of each scene, shape (n_scenes,)."""
         is_positive = self._leaf_probabilities()[self.apply(scenes)] >= 0.5
         predicted: NDArray[Any] = self.classes_[is_positive.astype(np.int64)]
         return predicted
 
     def apply(self, scenes: Scenes) -> NDArray[np.int64]:
-        """Ordinal of the deciding leaf of each scene, (n_scenes,)."""
+        """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
         check_is_fitted(self)
         return query(self.tree_, _checked(scenes), n_jobs=self.n_jobs).leaf
 
     def explain(self, scenes: Scenes) -> list[Explanation]:
-        """The objects behind each prediction."""
+        """Return the objects behind each prediction."""
         check_is_fitted(self)
         return explain(self.tree_, _checked(scenes))
 
@@ -197,7 +197,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
 
 
 def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
-    """The deciding leaf of each scene and its witnesses."""
+    """Return the deciding leaf of each scene and its witnesses."""
     answers = query(tree, scenes)
     probabilities = tree.leaf_probabilities
     bound = [tree.n_bound[leaf] for leaf in tree.leaves]
@@ -218,6 +218,6 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
 
 def _checked(scenes: object) -> Scenes:
     if not isinstance(scenes, Scenes):
-        msg = f"expected Scenes, got {type(scenes).__name__}: make them with Scenes.from_frame or from_dicts"
+        msg = f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
         raise InputError(msg)
     return scenes

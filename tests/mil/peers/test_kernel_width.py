@@ -80,8 +80,13 @@ def test_where_all_points_coincide_gamma_is_the_factor() -> None:
         (LINE, np.inf, 1.0, "gamma must be a finite number above 0, got inf"),
         (LINE, None, 1.0, "gamma must be a finite number above 0, got None"),
         (LINE, "heuristic", -1.0, "gamma_factor must be a finite number above 0, got -1.0"),
-        (LINE * 1e-160, "heuristic", 1.0, "is no positive floating point number: scale the features"),
-        (LINE, 1e-300, 1e-300, "gamma 1e-300 times gamma_factor 1e-300 is no positive floating point number"),
+        (
+            LINE * 1e-160,
+            "heuristic",
+            1.0,
+            "is too large or too small for a floating point number: scale the features",
+        ),
+        (LINE, 1e-300, 1e-300, "gamma 1e-300 times gamma_factor 1e-300 is too large or too small"),
     ],
 )
 def test_values_without_sense_are_refused(

@@ -133,7 +133,7 @@ def test_pipelines_may_be_nested() -> None:
     ],
 )
 def test_what_has_no_radial_kernel_is_refused(estimator: Any, kind: str) -> None:
-    message = f"{kind} has no parameter 'C': only a machine with a radial kernel .* last step of a pipeline"
+    message = f"{kind} does not have the parameter 'C': only machines with a radial kernel .* of a pipeline"
     with pytest.raises(InputError, match=message):
         tuned(estimator)
 

@@ -1,4 +1,4 @@
-"""Rounds of training a machine and choosing by its scores what the next one is trained on."""
+"""Rounds of training a machine and choosing, by its scores, the training data of the next one."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class Alternation:
-    """How rounds ended.
+    """The result of the last round.
 
     Attributes
     ----------
     machine : KernelMachine
-        Of the last round.
+        Machine of the last round.
     n_rounds : int
-        Machines trained.
+        Number of machines trained.
     converged : bool
-        Whether the last machine chose what it was trained on, and its solver reached its tolerance.
+        Whether the last machine chose its own training data, and its solver reached its tolerance.
     """
 
     machine: KernelMachine
@@ -46,17 +46,17 @@ def alternate(
     Parameters
     ----------
     train_and_choose : callable
-        From a choice, an array, to the machine trained on it and the choice that this machine makes.
+        Takes a choice, an array; returns the machine trained on it and the choice made by this machine.
     choice : array
-        To start from.
+        The first choice.
     max_rounds : int
-        Most machines to train, at least 1.
+        Largest number of machines to train, at least 1.
 
     Returns
     -------
     Alternation
-        Converged only if the last two choices are equal; rounds also end, without convergence, where a choice
-        was made before the last two, from where they would go round in circles.
+        Converged only if the last two choices are equal. Rounds also end, without convergence, if an earlier
+        choice recurs, since they would repeat from there.
     """
     seen = {choice.tobytes()}
     number = 1

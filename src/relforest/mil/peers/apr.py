@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from relforest.scenes.bags import Bags
 
-# Kernels are as wide as 1 / tau: far below this, where 1 + tau is 1, they would be infinitely wide.
+# The width of kernels is about 1 / tau, and infinite for tau so small that 1 + tau rounds to 1.
 _LEAST_TAU: Final = 1e-6
 _LEAST_EPSILON: Final = 1e-12
 
@@ -26,51 +26,54 @@ _LEAST_EPSILON: Final = 1e-12
 class APRClassifier(InstanceClassifier):
     """Multiple-instance classifier by an axis-parallel rectangle, learned by iterated discrimination.
 
-    A box is grown around one instance of each positive bag; the features that keep the instances of negative
-    bags out of it are selected; both are repeated with the selected features until all stay; then the bounds
-    are moved outwards. A bag is positive if one of its instances lies in the box.
+    A box is grown around one instance of each positive bag, and the features that exclude instances of
+    negative bags are selected; both steps are repeated with the selected features until none is dropped; then
+    the bounds are moved outwards. A bag is positive if one of its instances is in the box.
 
     Parameters
     ----------
     scale : bool, default False
-        Divide each feature by its standard deviation over all training instances first. Without it, as
-        published, the features must be in units that may be compared.
+        Whether to divide each feature by its standard deviation over all training instances first. Without
+        scaling, as published, the features must have comparable units.
     margin : float, default 1.0
-        How far outside the box a feature must leave an instance to exclude it clearly, in mean standard
-        deviations of the features.
+        Distance from the box at which a feature clearly excludes an instance, in units of the features' mean
+        standard deviation.
     tau : float, default 0.999
-        Fixes the width of the kernels by which the bounds are moved: part of the mass of a kernel in the
-        middle of the box that lies inside, from 1e-6 on and below 1. Less makes the box larger, about
-        two million times at 1e-6.
+        Determines the width of the kernels that move the bounds: the share of mass inside the box of a kernel
+        at its centre, at least 1e-6 and below 1. Smaller values make the box larger, about two million times
+        at 1e-6.
     epsilon : float, default 0.01
-        Part of the estimated density of the positive instances that the box may leave outside, along each
-        feature, from 1e-12 on and below 1. Less makes the box larger.
+        Share of the estimated density of positive instances that may be outside the box, along each feature;
+        at least 1e-12 and below 1. Smaller values make the box larger.
 
     Attributes
     ----------
     lower_, upper_ : ndarray (d,)
-        The bounds, in the units of the bags; infinite for features that are not selected.
+        Bounds in the units of the bags; infinite for features that are not selected.
     features_ : int64 ndarray (n_selected,)
         The selected features, in ascending order.
     scales_ : ndarray (d,)
-        What distances along the features are multiplied by in scores: 1, or 1 / deviation with `scale`.
+        Factors of distances along the features: 1, or 1 / deviation with `scale`.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Scores are distances from the nearest bound, negative outside. Features that are constant in training are
-    never selected; without any other, every bag is positive. Where the box holds all instances of negative
-    bags, all features stay selected.
+    Scores are distances to the nearest bound, negative outside. Constant features are never selected; if all
+    features are constant, every bag is positive. If the box contains all instances of negative bags, all
+    features stay selected.
 
-    The box grows from the instance nearest to where the intervals of all positive bags meet, and no further
-    seed is tried: among instances that lie densely in every bag, the box may grow around those.
+    The box grows from a single seed, the instance nearest to where the intervals of all positive bags meet.
+    If every bag has a dense cluster of other instances, the box may grow around that.
 
     The published margin, 1 Angstrom in the Musk data, is 1.2 to 1.3 mean deviations there. `tau` and
-    `epsilon` are the published ones. In ten-fold cross-validation the class is right in 87 % of the bags of
-    Musk 1 (mean of five shuffles, 86 to 89) and 84 % of Musk 2 (83 to 85); published are 92.4 and 89.2 %.
+    `epsilon` have their published values. In ten-fold cross-validation, the class labels 87 % of the bags of
+    Musk 1 correctly (mean of five shuffles, 86 to 89) and 84 % of Musk 2 (83 to 85); the published values are
+    92.4 and 89.2 %.
 
     References
     ----------
@@ -115,7 +118,7 @@ class APRClassifier(InstanceClassifier):
         if len(varying):
             margin *= (units.width * self.scales_)[varying].mean()
         self.features_, chosen = _discriminate(members, starts, negatives, varying, margin)
-        # Bounds come from the values as they were given, so that rounding leaves none of the chosen outside.
+        # Bounds come from unscaled values, so that rounding cannot exclude a chosen instance.
         values = bags.points[in_positive][np.ix_(chosen, self.features_)]
         scales = self.scales_[self.features_]
         moves = expansion(values * scales, tau, epsilon) / scales
@@ -124,7 +127,7 @@ class APRClassifier(InstanceClassifier):
         self.upper_[self.features_] = values.max(axis=0) + moves[1]
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Distance from the nearest bound, negative outside."""
+        """Distance to the nearest bound, negative outside."""
         if not len(self.features_):
             return np.zeros(len(points))
         values = points[:, self.features_]
@@ -140,7 +143,7 @@ def _discriminate(
     features: NDArray[np.int64],
     margin: float,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Grow and select until no feature is dropped: the features, and the point chosen from each bag."""
+    """Grow and select until no feature is dropped; return the features and each bag's chosen point."""
     while True:
         points = np.ascontiguousarray(members[:, features])
         chosen = grow(points, starts)

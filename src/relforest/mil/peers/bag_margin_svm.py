@@ -1,4 +1,4 @@
-"""MI-SVM: a machine that tells one witness of every positive bag from all instances of negative bags."""
+"""MI-SVM: a machine that separates a witness of every positive bag from all negative instances."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @final
 class BagMarginSVMClassifier(InstanceClassifier):
-    """MI-SVM: a machine with a radial kernel and the largest margin between bags.
+    """MI-SVM: a machine with a radial kernel that maximises the margin between bags.
 
-    A positive bag is represented by one point, first by the mean of its instances, then by the instance
-    that the machine of the last round scores highest. The negatives are all instances of negative bags.
-    Rounds go on until the choice repeats.
+    Every positive bag is represented by one point: at first the mean of its instances, then the instance that
+    the previous machine scores highest. All instances of negative bags are negative examples. Rounds are
+    repeated until the choice does not change.
 
     Parameters
     ----------
@@ -31,17 +31,18 @@ class BagMarginSVMClassifier(InstanceClassifier):
         Price of slack.
     gamma : "heuristic" or float, default "heuristic"
         Coefficient of squared distances in the kernel: a number, or 1 / (2 s^2) with s the mean of the 10th
-        and 90th percentile of the distances between training instances (thinned out beyond 3000 instances).
+        and 90th percentile of the distances between training instances (of a subset if there are more than
+        3000).
     gamma_factor : float, default 1.0
-        Multiplies gamma.
+        Factor of gamma.
     scale_C : bool, default True
         Whether C is divided by the number of bags.
     max_iter : int, default 50
-        Most rounds.
+        Largest number of rounds.
     tol : float, default 1e-3
-        LIBSVM's tolerance.
+        Tolerance of LIBSVM.
     max_solver_iter : int, default 10_000_000
-        Most steps of LIBSVM in one round.
+        Largest number of LIBSVM's steps in a round.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -50,25 +51,27 @@ class BagMarginSVMClassifier(InstanceClassifier):
     machine_ : KernelMachine
         Support vectors, coefficients and intercept.
     gamma_ : float
-        The coefficient used, factor included.
+        The coefficient used, including the factor.
     n_iter_ : int
-        Rounds made.
+        Number of rounds.
     converged_ : bool
-        Whether the last choice repeated the one before and LIBSVM reached its tolerance. It is false as well
-        where rounds return to an earlier choice, which ends them.
+        Whether the last choice equals the one before and LIBSVM reached its tolerance. False also if rounds
+        ended because an earlier choice recurred.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    LIBSVM gives each instance of a negative bag slack of its own, whereas Andrews et al. let a bag share one.
-    That makes slack dearer for negative bags than for positive ones.
+    LIBSVM gives every instance of a negative bag its own slack, whereas in Andrews et al. the instances of a
+    bag share one. Slack is therefore more expensive for negative bags than for positive ones.
 
-    Where means of bags say little, the first choice hangs on details of the solution, and so does the last
-    one: on the set Disjunctive of Palmer (2015), the mean Peirce skill score is about 0.2 with the default
-    `tol` and 0.4 with 1e-6, which takes ten times as long.
+    If the means of bags are uninformative, the first choice, and thereby the last, depends on details of the
+    solution: on the set Disjunctive of Palmer (2015), the mean Peirce skill score is about 0.2 with the
+    default `tol` and 0.4 with 1e-6, which takes ten times as long.
 
     References
     ----------
@@ -134,14 +137,14 @@ class BagMarginSVMClassifier(InstanceClassifier):
         self.n_iter_, self.converged_ = ended.n_rounds, ended.converged
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value of the machine, whose margins are at -1 and 1."""
+        """Value of the machine, with margins at -1 and 1."""
         return self.machine_.scores(points)
 
 
 def _first_of_best(
     scores: NDArray[np.float64], starts: NDArray[np.int64], counts: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Return the row of each bag's highest score, the first of equal ones."""
+    """Return the row of each bag's highest score, the first one in case of ties."""
     best = np.maximum.reduceat(scores, starts).repeat(counts)
     rows = np.where(scores == best, np.arange(len(scores)), len(scores))
     first: NDArray[np.int64] = np.minimum.reduceat(rows, starts)

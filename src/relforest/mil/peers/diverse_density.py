@@ -27,17 +27,17 @@ _TOLERANCE: Final = 1e-5
 class DiverseDensityClassifier(InstanceClassifier):
     """Multiple-instance classifier by the point of greatest diverse density.
 
-    It seeks a point, with a scale per feature, that is near to at least one instance of each positive bag and
-    far from all instances of negative bags, by gradient ascent from many starts.
+    Gradient ascent from many starts looks for a point, with a scale per feature, near at least one instance
+    of every positive bag and far from all instances of negative bags.
 
     Parameters
     ----------
     scale : bool, default True
-        Divide each feature by its standard deviation over all training instances first.
+        Whether to divide each feature by its standard deviation over all training instances first.
     refined : int or None, default 10
-        How many of the starts are climbed to the end: those that are best after 10 steps. None climbs all.
+        Number of starts, the best after 10 steps, from which the ascent is completed; None for all.
     max_steps : int, default 500
-        Most steps of one ascent.
+        Largest number of steps in an ascent.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -49,20 +49,22 @@ class DiverseDensityClassifier(InstanceClassifier):
         Scale of each feature, at least 0: an instance x is positive with a probability of
         ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
     negative_log_density_ : float
-        -log of the diverse density, the probability of all training labels.
+        Negative logarithm of the diverse density, the probability of all training labels.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Scores are logarithms of odds: `scipy.special.expit` makes probabilities of them. A bag is positive if the
-    noisy-or of its instances is at least 1/2, which several instances, each less probable, reach together: a
-    positive bag may be without positive instances.
+    Scores are log odds; `scipy.special.expit` converts them to probabilities. A bag is positive if the
+    noisy-or of its instances is at least 1/2. Several less probable instances can reach this together, so a
+    positive bag may have no positive instance.
 
-    Starts are the different instances of the largest positive bag (of all the largest ones), as in Weka's
-    MIDD, which the source compares with. Features that are constant in training do not matter.
+    The starts are the distinct instances of the largest positive bag (or bags, in case of ties), as in Weka's
+    MIDD, with which the source compares. Features that are constant in training are ignored.
 
     References
     ----------
@@ -111,11 +113,11 @@ class DiverseDensityClassifier(InstanceClassifier):
         self.negative_log_density_ = value
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Logarithm of the odds p / (1 - p)."""
+        """Log odds, log(p / (1 - p))."""
         return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
-        """Logarithm of the odds of the noisy-or."""
+        """Log odds of the noisy-or."""
         squared = Hypothesis(self.center_, self.scales_).squared_distances(bags.points)
         return bag_log_odds(squared, bags.starts)
 
@@ -123,16 +125,16 @@ class DiverseDensityClassifier(InstanceClassifier):
 def densest(
     sample: Sample, starts: NDArray[np.float64], kept: int, max_steps: int
 ) -> tuple[NDArray[np.float64], float]:
-    """Climb from all starts a little, and from where the best of them came to the end.
+    """Take a few steps from all starts, and complete the ascent from the best of them.
 
     Parameters
     ----------
     sample : Sample
     starts : ndarray (n_starts, 2, d)
     kept : int
-        How many are climbed to the end, at most n_starts.
+        Number of ascents to complete, at most n_starts.
     max_steps : int
-        Most steps of one ascent.
+        Largest number of steps in an ascent.
 
     Returns
     -------

@@ -28,19 +28,19 @@ _TOLERANCE: Final = 1e-5
 class EMDDClassifier(InstanceClassifier):
     """Multiple-instance classifier by expectation maximisation of the diverse density.
 
-    Like diverse density, but with one instance per bag that speaks for it: the most probable one under the
-    hypothesis at hand. Choosing these witnesses and improving the hypothesis for them alternate.
+    Like diverse density, but each bag is represented by one instance, its witness: the most probable one
+    under the current hypothesis. Choosing witnesses and improving the hypothesis alternate.
 
     Parameters
     ----------
     scale : bool, default True
-        Divide each feature by its standard deviation over all training instances first.
+        Whether to divide each feature by its standard deviation over all training instances first.
     start_bags : int or None, default 3
-        From the instances of how many positive bags, drawn at random, the search starts; None takes all.
+        Number of randomly drawn positive bags from whose instances the search starts; None for all.
     max_steps : int, default 500
-        Most steps of one ascent.
-    random_state : int, SeedSequence, Generator or None, default None
-        Seed of the drawing of bags; an integer makes `fit` repeatable.
+        Largest number of steps in an ascent.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed for drawing bags; an integer makes `fit` reproducible.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -52,26 +52,27 @@ class EMDDClassifier(InstanceClassifier):
         Scale of each feature, at least 0: an instance x is positive with a probability of
         ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
     negative_log_density_ : float
-        -log of the diverse density of the witnesses.
+        Negative logarithm of the diverse density of the witnesses.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Scores are logarithms of odds: `scipy.special.expit` makes probabilities of them. A bag is as probable as
-    its best instance, and positive from 1/2 on.
+    Scores are log odds; `scipy.special.expit` converts them to probabilities. The probability of a bag is
+    that of its best instance; a bag is positive if it is at least 1/2.
 
-    A round is a choice of witnesses and an ascent; the hypothesis of the round before the first that gains
-    nothing is taken, or of the tenth. Of all starts the one whose hypothesis makes the fewest mistakes in the
-    training bags wins, then the one of the greatest density. Features that are constant in training do not
-    matter.
+    A round consists of a choice of witnesses and an ascent. Rounds end when one brings no improvement, or
+    after ten. The hypothesis with the fewest errors on the training bags is chosen, and of equally good ones
+    that of the greatest density. Features that are constant in training are ignored.
 
-    Weka's MIEMDD, which the source compares with, also starts from three bags and goes by mistakes. In 15 of
-    40 draws of the set Disjunctive it ended in a start that was never improved (all scales exactly 1, the
-    mean PSS there -0.01); in the other 25 it scored as this class does. That would explain why the source's
-    score of EM-DD on Disjunctive is low, 0.19 where this class has 0.35.
+    Weka's MIEMDD, with which the source compares, also starts from three bags and counts errors. In 15 of 40
+    draws of the set Disjunctive, it returned a start that was never improved (all scales exactly 1, mean PSS
+    -0.01); in the other 25, it scored like this class. This may explain the low score of EM-DD on Disjunctive
+    in the source: 0.19, compared with 0.35 for this class.
 
     References
     ----------
@@ -124,7 +125,7 @@ class EMDDClassifier(InstanceClassifier):
         self.negative_log_density_ = value
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Logarithm of the odds p / (1 - p)."""
+        """Log odds, log(p / (1 - p))."""
         return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
 
 
@@ -138,12 +139,12 @@ def most_convincing(
     sample : Sample
     starts : ndarray (n_starts, 2, d)
     max_steps : int
-        Most steps of one ascent.
+        Largest number of steps in an ascent.
 
     Returns
     -------
     (ndarray (2, d), float)
-        The hypothesis with the fewest mistakes, and its negative log density.
+        The hypothesis with the fewest errors, and its negative log density.
     """
     best, best_value, fewest = starts[0].copy(), np.inf, len(sample.positive) + 1
     squared = np.empty(len(sample.points))
@@ -161,7 +162,7 @@ def most_convincing(
 def improve_by_rounds(
     sample: Sample, hypothesis: NDArray[np.float64], max_steps: int, squared: NDArray[np.float64]
 ) -> float:
-    """Improve a hypothesis (2, d) in place by rounds of EM; its negative log density.
+    """Improve a hypothesis (2, d) in place by rounds of EM; return its negative log density.
 
     `squared` (n,) is work space.
     """
@@ -188,7 +189,7 @@ def improve_by_rounds(
 def witnesses(
     sample: Sample, hypothesis: NDArray[np.float64], squared: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """Most probable point of each bag, (n_bags,), the first one of equals; `squared` (n,) is work space."""
+    """Most probable point of each bag, the first one in case of ties; `squared` (n,) is work space."""
     fill_squared_distances(sample.columns, hypothesis, squared)
     chosen = np.empty(len(sample.positive), dtype=np.int64)
     for bag in range(len(chosen)):
@@ -199,7 +200,7 @@ def witnesses(
 
 @kernel
 def count_mistakes(sample: Sample, hypothesis: NDArray[np.float64], squared: NDArray[np.float64]) -> int:
-    """How many bags a hypothesis (2, d) labels wrongly; `squared` (n,) is work space."""
+    """Count the bags that a hypothesis (2, d) labels wrongly; `squared` (n,) is work space."""
     chosen = witnesses(sample, hypothesis, squared)
     within = squared[chosen] <= np.log(2.0 * CERTAINTY)
     return int(np.sum(within != sample.positive))

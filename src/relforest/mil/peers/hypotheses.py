@@ -1,4 +1,4 @@
-"""What a search for the best hypothesis starts from, and what it ends as."""
+"""Hypotheses of diverse density, and the scaled data in which they are sought."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class Hypothesis:
     ----------
     center : ndarray (d,)
     scales : ndarray (d,)
-        At least 0; 0 for features that do not matter.
+        At least 0; 0 for features that are ignored.
     """
 
     center: NDArray[np.float64]
     scales: NDArray[np.float64]
 
     def squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Squared distances D^2 of points (n, d), (n,)."""
+        """Squared distances D^2 of points (n, d), shape (n,)."""
         squared = np.empty(len(points))
         fill_squared_distances(np.ascontiguousarray(points.T), np.stack([self.center, self.scales]), squared)
         return squared
@@ -41,15 +41,15 @@ class Hypothesis:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """Training bags, with features scaled as a search takes them.
+    """Training bags, with features scaled for the search.
 
     Attributes
     ----------
     sample : Sample
     shift : ndarray (d,)
-        What was subtracted from the features, so that large offsets cost no digits.
+        Values subtracted from the features, so that large offsets do not cost digits.
     factors : ndarray (d,)
-        What they were multiplied by then; 0 for constant features.
+        Factors of the shifted features; 0 for constant features.
     """
 
     sample: Sample
@@ -57,21 +57,21 @@ class Search:
     factors: NDArray[np.float64]
 
     def starts(self, in_bags: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Hypotheses (n_starts, 2, d) at the different instances of some of the bags, with scales of 1."""
+        """Hypotheses (n_starts, 2, d) at the distinct instances of some of the bags, with scales of 1."""
         rows = np.repeat(in_bags, np.diff(self.sample.starts))
         centres = np.unique(self.sample.points[rows], axis=0)
-        # A constant feature tells nothing, so that it shall not matter for other bags either.
+        # Constant features are uninformative, and must not affect predictions either.
         scales = np.broadcast_to(np.where(self.factors > 0.0, 1.0, 0.0), centres.shape)
         return np.stack([centres, scales], axis=1)
 
     def in_own_units(self, found: NDArray[np.float64]) -> Hypothesis:
-        """Return a hypothesis (2, d) of this search in the units of the bags."""
+        """Convert a hypothesis (2, d) of this search to the units of the bags."""
         widths = np.divide(1.0, self.factors, out=np.zeros_like(self.factors), where=self.factors > 0.0)
         return Hypothesis(self.shift + found[0] * widths, np.abs(found[1]) * self.factors)
 
 
 def search_space(bags: Bags, positive: NDArray[np.bool_], *, scale: bool) -> Search:
-    """Prepare labelled bags, with features divided by their standard deviations if `scale` is true."""
+    """Prepare labelled bags, dividing features by their standard deviations if `scale` is true."""
     units = feature_units(bags.points, "standard")
     varies = units.width > 0.0
     shift = np.where(varies, units.shift, bags.points[0])

@@ -1,4 +1,4 @@
-"""mi-SVM: a support vector machine on all instances, those of positive bags with labels that it imputes."""
+"""mi-SVM: a support vector machine on all instances, which imputes the labels in positive bags."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @final
 class InstanceMarginSVMClassifier(InstanceClassifier):
-    """mi-SVM: a machine with a radial kernel and the largest margin between instances.
+    """mi-SVM: a machine with a radial kernel that maximises the margin between instances.
 
-    All instances of positive bags are positive at first. Each round trains a machine and labels them by the
-    sign of its scores, where each positive bag's highest score stays positive; instances of negative bags
-    always are negative. Rounds go on until the labels repeat.
+    At first, all instances of positive bags are positive. Each round trains a machine and relabels these
+    instances by the sign of its scores, except that the best instance of every positive bag stays positive;
+    instances of negative bags are always negative. Rounds are repeated until the labels do not change.
 
     Parameters
     ----------
@@ -31,17 +31,18 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
         Price of slack.
     gamma : "heuristic" or float, default "heuristic"
         Coefficient of squared distances in the kernel: a number, or 1 / (2 s^2) with s the mean of the 10th
-        and 90th percentile of the distances between training instances (thinned out beyond 3000 instances).
+        and 90th percentile of the distances between training instances (of a subset if there are more than
+        3000).
     gamma_factor : float, default 1.0
-        Multiplies gamma.
+        Factor of gamma.
     scale_C : bool, default True
         Whether C is divided by the number of instances.
     max_iter : int, default 50
-        Most rounds.
+        Largest number of rounds.
     tol : float, default 1e-3
-        LIBSVM's tolerance.
+        Tolerance of LIBSVM.
     max_solver_iter : int, default 10_000_000
-        Most steps of LIBSVM in one round.
+        Largest number of LIBSVM's steps in a round.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -50,16 +51,18 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
     machine_ : KernelMachine
         Support vectors, coefficients and intercept.
     gamma_ : float
-        The coefficient used, factor included.
+        The coefficient used, including the factor.
     n_iter_ : int
-        Rounds made.
+        Number of rounds.
     converged_ : bool
-        Whether the last labels repeated those before and LIBSVM reached its tolerance. It is false as well
-        where rounds return to earlier labels, which ends them.
+        Whether the last labels equal those before and LIBSVM reached its tolerance. False also if rounds
+        ended because earlier labels recurred.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     References
     ----------
@@ -119,5 +122,5 @@ class InstanceMarginSVMClassifier(InstanceClassifier):
         self.n_iter_, self.converged_ = ended.n_rounds, ended.converged
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value of the machine, whose margins are at -1 and 1."""
+        """Value of the machine, with margins at -1 and 1."""
         return self.machine_.scores(points)

@@ -1,4 +1,4 @@
-"""Support vector machines with a radial kernel, trained by LIBSVM on one set of points again and again.
+"""Support vector machines with a radial kernel, trained repeatedly by LIBSVM on the same points.
 
 Dimensions: n training points, m support vectors, d features, p points to score.
 """
@@ -18,20 +18,20 @@ from relforest.support.options import at_least, in_range
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# 32 MB of kernel values. For more points than that LIBSVM, which computes only the rows it needs, is faster.
+# 32 MB of kernel values. For more points, LIBSVM is faster, since it computes only the rows it needs.
 MOST_STORED_POINTS: Final = 2000
-# LIBSVM's number of classification with a price of slack.
+# LIBSVM's code for classification with a price of slack.
 _C_SVC: Final = 0
-# Of kernel rows that LIBSVM keeps, in MB.
+# Size of LIBSVM's cache of kernel rows, in MB.
 _CACHE_SIZE: Final = 200
-# Of kernel values for one block of points to score, 32 MB.
+# Kernel values in a block of points to score, 32 MB.
 _BLOCK: Final = 4_000_000
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SolverSettings:
-    """How exactly LIBSVM solves.
+    """Settings of LIBSVM.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class SolverSettings:
     tol : float
         Largest violation of the optimality conditions.
     max_iter : int
-        Most steps of the solver.
+        Largest number of steps.
     """
 
     C: float
@@ -49,12 +49,12 @@ class SolverSettings:
 
     @classmethod
     def checked(cls, C: object, tol: object, max_iter: object, *, shares: int) -> SolverSettings:
-        """Check options as users wrote them and divide C among a number of shares.
+        """Check options as users set them, and divide C by the number of shares.
 
         Raises
         ------
         InputError
-            If one is out of range.
+            If an option is out of range.
         """
         return cls(
             in_range("C", C, 0.0, math.inf, open_low=True, open_high=True) / shares,
@@ -73,11 +73,11 @@ class KernelMachine:
     vectors : (m, d) array
         Support vectors.
     coefficients : (m,) array
-        Their weights, at least 0 for positive ones.
+        Weights of the support vectors, at least 0 for positive ones.
     rows : (m,) int64 array
-        Which of the training points they are.
+        Indices of the support vectors among the training points.
     intercept : float
-        The threshold, with the sign turned.
+        Constant term.
     gamma : float
         Coefficient of squared distances.
     converged : bool
@@ -92,8 +92,8 @@ class KernelMachine:
     converged: bool
 
     def scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of f for points (p, d), shape (p,): positive on the side of the positive class."""
-        # Near the origin squared distances lose fewer digits.
+        """Values of f for points (p, d), shape (p,); positive on the side of the positive class."""
+        # Squared distances lose fewer digits near the origin.
         center = self.vectors.mean(axis=0)
         vectors = self.vectors - center
         found = np.empty(len(points))
@@ -107,10 +107,10 @@ class KernelMachine:
 
 @final
 class KernelProblem:
-    """Points on which machines are trained for one labelling after another.
+    """Points on which machines are trained for a sequence of labellings.
 
-    Kernel values are computed once for up to `MOST_STORED_POINTS` points. LIBSVM starts from nothing each
-    time, since scikit-learn gives it no earlier solution to start from.
+    For up to `MOST_STORED_POINTS` points, kernel values are computed only once. Every training starts from
+    scratch, since scikit-learn's interface to LIBSVM does not accept an earlier solution.
 
     Parameters
     ----------
@@ -119,12 +119,12 @@ class KernelProblem:
     gamma : float
         Coefficient of squared distances.
     settings : SolverSettings
-        The same for all trainings.
+        Used in every training.
     """
 
     def __init__(self, points: NDArray[np.float64], gamma: float, settings: SolverSettings) -> None:
         self._points = points.copy()
-        # Near the origin squared distances lose fewer digits.
+        # Squared distances lose fewer digits near the origin.
         self._center = points.mean(axis=0)
         self._centered = points - self._center
         self._gamma = gamma
@@ -134,7 +134,7 @@ class KernelProblem:
             self._kernel = radial_kernel(self._centered, self._centered, gamma)
 
     def replace_last(self, points: NDArray[np.float64]) -> None:
-        """Put other points (k, d) in the place of the last k."""
+        """Replace the last k points by others, shape (k, d)."""
         first = len(self._points) - len(points)
         self._points[first:] = points
         self._centered[first:] = points - self._center
@@ -144,11 +144,10 @@ class KernelProblem:
             self._kernel[first:] = columns.T
 
     def solve(self, positive: NDArray[np.bool_]) -> KernelMachine:
-        """Train a machine; `positive` (n,) must have both values."""
+        """Train a machine; both values must occur in `positive` (n,)."""
         settings = self._settings
         stored = self._kernel is not None
-        # Not through `sklearn.svm.SVC`, which changes filters of warnings and NumPy's global random state for
-        # all threads.
+        # `sklearn.svm.SVC` would change warning filters and NumPy's global random state for all threads.
         _libsvm.set_verbosity_wrap(0)
         rows, _, _, coefficients, threshold, *_, status, _ = _libsvm.fit(
             self._kernel if stored else self._centered,
@@ -162,7 +161,7 @@ class KernelProblem:
             cache_size=_CACHE_SIZE,
         )
         support = np.asarray(rows, dtype=np.int64)
-        # LIBSVM counts from the first class, which is the negative one.
+        # LIBSVM's scores are positive for the first class, which is the negative one here.
         return KernelMachine(
             self._points[support],
             -np.asarray(coefficients)[0],
@@ -173,7 +172,7 @@ class KernelProblem:
         )
 
     def scores(self, machine: KernelMachine) -> NDArray[np.float64]:
-        """Values of a machine for all training points, shape (n,)."""
+        """Scores of all training points by a machine, shape (n,)."""
         if self._kernel is None:
             return machine.scores(self._points)
         found: NDArray[np.float64] = self._kernel[:, machine.rows] @ machine.coefficients + machine.intercept
@@ -181,9 +180,9 @@ class KernelProblem:
 
 
 def radial_kernel(a: NDArray[np.float64], b: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
-    """Return exp(-gamma |x - y|^2) for all x of `a` (n, d) and y of `b` (k, d): (n, k)."""
+    """Return exp(-gamma |x - y|^2) for all x in `a` (n, d) and y in `b` (k, d), shape (n, k)."""
     values = squared_distances(a, b)
-    # A product too large for a number leads to the right kernel value, 0.
+    # If the product overflows, the kernel value is still right: 0.
     with np.errstate(over="ignore"):
         values *= -gamma
     return np.exp(values, out=values)

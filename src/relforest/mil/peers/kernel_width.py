@@ -28,15 +28,14 @@ def kernel_gamma(points: NDArray[np.float64], gamma: object, factor: object) -> 
     points : (n, d) array
         The training instances of all bags.
     gamma : "heuristic" or float
-        A number, or the rule of `heuristic_gamma`.
+        A number, or "heuristic" for `heuristic_gamma`.
     factor : float
-        Multiplies it.
+        Factor of gamma.
 
     Raises
     ------
     InputError
-        If `gamma` is neither of the two, `factor` no positive number, or the product too large or too small
-        for a floating point number.
+        If `gamma` or `factor` is invalid, or their product overflows or vanishes.
     """
     factor = in_range("gamma_factor", factor, 0.0, math.inf, open_low=True, open_high=True)
     if isinstance(gamma, str) and gamma != HEURISTIC:
@@ -48,14 +47,14 @@ def kernel_gamma(points: NDArray[np.float64], gamma: object, factor: object) -> 
     product = base * factor
     if not 0.0 < product < math.inf:
         raise InputError(
-            f"gamma {base:g} times gamma_factor {factor:g} is no positive floating point number: scale the "
-            "features or choose another factor"
+            f"gamma {base:g} times gamma_factor {factor:g} is too large or too small for a floating point "
+            "number: scale the features or choose another factor"
         )
     return product
 
 
 def heuristic_gamma(points: NDArray[np.float64]) -> float:
-    """Return 1 / (2 s^2), s being the mean of the 10th and 90th percentile of all distances between points.
+    """Return 1 / (2 s^2), with s the mean of the 10th and 90th percentile of the distances between points.
 
     Parameters
     ----------
@@ -64,10 +63,9 @@ def heuristic_gamma(points: NDArray[np.float64]) -> float:
 
     Notes
     -----
-    More than 3000 points are thinned out to 3000 first: put in lexical order and taken at equal steps, so
-    that the result depends neither on chance nor on the order of the bags. Where both percentiles are 0,
-    since most points coincide, s is the mean distance. Where all points coincide, no width is better than
-    another and gamma is 1.
+    Of more than 3000 points, 3000 are used: they are sorted and selected at equal steps, so that the result
+    depends neither on chance nor on the order of bags. If both percentiles are 0, since most points coincide,
+    s is the mean distance. If all points coincide, any width is equally good and gamma is 1.
 
     References
     ----------
@@ -81,6 +79,6 @@ def heuristic_gamma(points: NDArray[np.float64]) -> float:
     sigma = float(np.percentile(distances, _PERCENTILES, overwrite_input=True).mean()) or mean
     if sigma == 0.0:
         return 1.0
-    # Division first: the square of a tiny distance would vanish.
+    # Divide first, since the square of a tiny distance would underflow.
     with np.errstate(over="ignore"):
         return float(0.5 * np.square(np.float64(1.0) / sigma))

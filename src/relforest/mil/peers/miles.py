@@ -1,4 +1,4 @@
-"""MILES: bags described by similarity to every training instance, and a sparse linear machine on that."""
+"""MILES: a sparse linear machine on the similarity of bags to every training instance."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from relforest.support.rng import RandomState, generator, seed_sequence
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# Of squared distances in one block, 32 MB.
+# Squared distances in a block, 32 MB.
 _BLOCK: Final = 4_000_000
 
 
@@ -27,9 +27,9 @@ _BLOCK: Final = 4_000_000
 class MILESClassifier(BagClassifier):
     """Multiple-instance learning via embedded instance selection.
 
-    Feature k of a bag is ``max_j exp(-gamma |x_j - x^k|^2)`` over its instances x_j, where x^k is training
-    instance k, of whichever bag; equal instances count once. On these features LIBLINEAR trains a linear
-    machine with an L1 penalty and squared hinge loss. It classifies bags only.
+    Feature k of a bag is ``max_j exp(-gamma |x_j - x^k|^2)`` over its instances x_j, where x^k is the k-th
+    distinct training instance of all bags. A linear machine with an L1 penalty and squared hinge loss is
+    trained on these features by LIBLINEAR's algorithm. It classifies only bags, not instances.
 
     Parameters
     ----------
@@ -37,46 +37,49 @@ class MILESClassifier(BagClassifier):
         Price of slack.
     gamma : "heuristic" or float, default "heuristic"
         Coefficient of squared distances in the features: a number, or 1 / (2 s^2) with s the mean of the 10th
-        and 90th percentile of the distances between training instances (thinned out beyond 3000 instances).
+        and 90th percentile of the distances between training instances (of a subset if there are more than
+        3000).
     gamma_factor : float, default 1.0
-        Multiplies gamma.
+        Factor of gamma.
     fit_intercept : bool, default False
-        Whether there is a threshold. LIBLINEAR's own default is none; Chen et al. have one.
+        Whether to add an intercept. LIBLINEAR does not by default; Chen et al. do.
     tol : float, default 0.01
-        LIBLINEAR's tolerance, relative to the violation it starts from; 0.01 is LIBLINEAR's own default.
+        Tolerance relative to the violation in the first pass; 0.01 is LIBLINEAR's default.
     max_iter : int, default 5000
-        Most passes of LIBLINEAR over the features.
-    random_state : int, SeedSequence, Generator or None, default None
-        Seed of the order in which LIBLINEAR visits the features; an integer makes `fit` repeatable.
+        Largest number of passes over the features.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed of the order of the features in each pass; an integer makes `fit` reproducible.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
     prototypes_ : ndarray (k, d)
-        The distinct training instances whose weight is not 0.
+        The training instances with a weight other than 0.
     coef_ : ndarray (k,)
-        Their weights: positive where similarity speaks for a positive bag.
+        Weights of the prototypes; positive if similarity is evidence for a positive bag.
     intercept_ : float
         0 without `fit_intercept`.
     gamma_ : float
-        The coefficient used, factor included.
+        The coefficient used, including the factor.
     n_iter_ : int
-        Passes made by LIBLINEAR.
+        Number of passes.
     converged_ : bool
-        Whether LIBLINEAR reached its tolerance. With the default C it often does not if classes overlap.
+        Whether the tolerance was reached; often false with the default C if classes overlap.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    With the default C and classes that overlap, LIBLINEAR needs up to some 35 000 passes. A larger `max_iter`
-    lets it make them, for slightly lower scores where we looked: 0.29 instead of 0.31 on Covariant 1.
+    With the default C, overlapping classes take up to about 35 000 passes. Allowing for these by a larger
+    `max_iter` gave slightly lower scores in our experiments: 0.29 instead of 0.31 on Covariant 1.
 
-    Where C is so small that all weights are 0, there is no prototype and every score is `intercept_`: without
-    `fit_intercept` it is 0, and every bag is positive.
+    If C is so small that all weights are 0, every score is `intercept_`; without `fit_intercept`, that is 0
+    and every bag is positive.
 
     References
     ----------
@@ -123,7 +126,7 @@ class MILESClassifier(BagClassifier):
         tol = in_range("tol", self.tol, 0.0, math.inf, open_low=True, open_high=True)
         seed = int(generator(seed_sequence(self.random_state)).integers(2**31))
         gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
-        # In lexical order, so that the order of bags and instances does not matter.
+        # Sorted, so that the order of bags and instances does not matter.
         instances = np.unique(bags.points, axis=0)
         machine = train_sparse_machine(
             embed(bags, instances, gamma),
@@ -140,7 +143,7 @@ class MILESClassifier(BagClassifier):
         self.n_iter_, self.converged_ = machine.n_passes, machine.converged
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
-        """Value of the linear machine, whose margins are at -1 and 1."""
+        """Value of the linear machine, with margins at -1 and 1."""
         if not len(self.prototypes_):
             return np.full(len(bags), self.intercept_)
         scores: NDArray[np.float64] = (
@@ -150,18 +153,18 @@ class MILESClassifier(BagClassifier):
 
 
 def embed(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
-    """Describe each bag by ``max_j exp(-gamma |x_j - p|^2)`` for every prototype p: (n_bags, n_prototypes).
+    """Return ``max_j exp(-gamma |x_j - p|^2)`` for every bag and prototype p, (n_bags, n_prototypes).
 
     Parameters
     ----------
     bags : Bags
-        Whose instances are the x_j.
+        Bags of instances x_j.
     prototypes : (n_prototypes, d) array
         At least one.
     gamma : float
         Coefficient of squared distances.
     """
-    # Near the origin squared distances lose fewer digits.
+    # Squared distances lose fewer digits near the origin.
     center = prototypes.mean(axis=0)
     points, prototypes = bags.points - center, prototypes - center
     values = np.empty((len(bags), len(prototypes)))
@@ -170,7 +173,7 @@ def embed(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[
         report("comparing bags with instances", first, len(prototypes))
         block = slice(first, first + step)
         values[:, block] = np.minimum.reduceat(squared_distances(points, prototypes[block]), bags.starts[:-1])
-    # A product too large for a number leads to the right feature, 0.
+    # If the product overflows, the feature is still right: 0.
     with np.errstate(over="ignore"):
         values *= -gamma
     return np.exp(values, out=values)

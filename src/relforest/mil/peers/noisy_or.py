@@ -1,12 +1,12 @@
-"""The diverse density of a hypothesis: how well one point, with a scale per feature, explains labelled bags.
+"""Diverse density: how well a point, with a scale per feature, explains labelled bags.
 
 A hypothesis is a centre c and scales s. An instance x is positive with probability
 
     p = (1 - 1e-6) exp(-D^2),   D^2 = sum_k s_k^2 (x_k - c_k)^2,
 
 and a bag is positive with probability 1 - prod (1 - p), the noisy-or of its instances. The diverse density is
-the probability of all labels. The factor before the exponential keeps it above zero where an instance of a
-negative bag lies at the centre, and changes nothing else that could be seen.
+the probability of all labels. The factor before the exponential keeps it above zero if an instance of a
+negative bag is at the centre, and has no other noticeable effect.
 
 Dimensions: n points in n_bags bags, d features. A hypothesis is a (2, d) array: the centre, then the scales.
 
@@ -34,7 +34,7 @@ _NEGLIGIBLE: Final = 1e-18
 
 
 class Sample(NamedTuple):
-    """Labelled bags as the kernels read them."""
+    """Labelled bags in the layout of the kernels."""
 
     points: NDArray[np.float64]  # (n, d), bag after bag
     columns: NDArray[np.float64]  # (d, n), the same transposed
@@ -43,7 +43,7 @@ class Sample(NamedTuple):
 
 
 def as_sample(points: NDArray[np.float64], starts: NDArray[np.int64], positive: NDArray[np.bool_]) -> Sample:
-    """Lay points (n, d) of labelled bags out for the kernels."""
+    """Return points (n, d) of labelled bags in the layout of the kernels."""
     return Sample(np.ascontiguousarray(points), np.ascontiguousarray(points.T), starts, positive)
 
 
@@ -54,7 +54,7 @@ def fill_squared_distances(
     """Write D^2 of the points in `columns` (d, n) into `out` (n,)."""
     n = len(out)
     out[:] = 0.0
-    # Feature by feature: the compiler vectorises sums of different points, but never reorders one sum.
+    # Feature by feature, since the compiler vectorises over points, but never reorders a sum.
     for k in range(len(columns)):
         centre, weight = hypothesis[0, k], hypothesis[1, k] * hypothesis[1, k]
         column = columns[k]
@@ -76,14 +76,14 @@ def negative_log_density(
     sample : Sample
     hypothesis : ndarray (2, d)
     gradient : ndarray (2, d)
-        Overwritten with the derivatives by the hypothesis.
+        Overwritten with the derivatives with respect to the hypothesis.
     slopes : ndarray (n,)
-        Overwritten with the derivatives by the squared distances.
+        Overwritten with the derivatives with respect to the squared distances.
 
     Returns
     -------
     float
-        At least 0; finite wherever the squared distances are.
+        At least 0; finite if the squared distances are.
     """
     fill_squared_distances(sample.columns, hypothesis, slopes)
     total = 0.0
@@ -109,7 +109,7 @@ def negative_log_density(
 
 @kernel
 def surprise_of_negative(members: NDArray[np.float64]) -> float:
-    """-log prod (1 - p) of a bag; its squared distances are replaced by the derivatives by them."""
+    """Return -log prod (1 - p) of a bag, and replace squared distances by derivatives."""
     total, product = 0.0, 1.0
     for j in range(len(members)):
         p = CERTAINTY * math.exp(-members[j])
@@ -123,7 +123,7 @@ def surprise_of_negative(members: NDArray[np.float64]) -> float:
 
 @kernel
 def surprise_of_positive(members: NDArray[np.float64]) -> float:
-    """-log(1 - prod (1 - p)) of a bag; its squared distances are replaced by the derivatives by them."""
+    """Return -log(1 - prod (1 - p)) of a bag, and replace squared distances by derivatives."""
     nearest = np.inf
     for j in range(len(members)):
         nearest = min(nearest, members[j])
@@ -136,7 +136,7 @@ def surprise_of_positive(members: NDArray[np.float64]) -> float:
         if nearest > _NEAR:
             log_none += math.log1p(-p)
         members[j] = p / (1.0 - p)
-    # Where all p are small, 1 - none has lost the digits that the logarithms still have.
+    # If all p are small, the logarithms retain digits that 1 - none has lost.
     some = -math.expm1(log_none) if nearest > _NEAR else 1.0 - none
     for j in range(len(members)):
         members[j] *= none / some
@@ -145,7 +145,7 @@ def surprise_of_positive(members: NDArray[np.float64]) -> float:
 
 @kernel
 def _surprise_of_far_positive(members: NDArray[np.float64], nearest: float) -> float:
-    """The same for a bag without near instances: a noisy-or of tiny p is their sum, too small for a float."""
+    """Return the same for a bag without near instances, where the noisy-or is a sum too small for a float."""
     if nearest == np.inf:
         members[:] = 0.0
         return np.inf
@@ -159,7 +159,7 @@ def _surprise_of_far_positive(members: NDArray[np.float64], nearest: float) -> f
 
 @kernel
 def bag_log_odds(squared: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Logarithm of the odds of each bag being positive by the noisy-or, (n_bags,).
+    """Log odds of each bag being positive by the noisy-or, shape (n_bags,).
 
     `squared` (n,), the squared distances of the bags' points, is overwritten.
     """
@@ -172,7 +172,7 @@ def bag_log_odds(squared: NDArray[np.float64], starts: NDArray[np.int64]) -> NDA
 
 
 def instance_log_odds(squared: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Logarithm of the odds of each instance being positive, from squared distances (n,)."""
+    """Log odds of each instance being positive, from squared distances (n,)."""
     log_p = math.log(CERTAINTY) - squared
     odds: NDArray[np.float64] = log_p - np.log1p(-np.exp(log_p))
     return odds

@@ -15,46 +15,47 @@ if TYPE_CHECKING:
 
     from relforest.scenes.bags import Bags
 
-# Of points whose distances are taken at a time: with their features they fit into the processor's cache.
+# Points in a block: with their features, they fit into the processor's cache.
 _BLOCK: Final = 256
-# Distances kept at a time, 64 MiB of them.
+# Distances kept at a time, 64 MiB.
 _LARGEST_TABLE: Final = 2**23
 _BEYOND_LAST: Final = 1.0 + 1e-9
 
 
 @final
 class OptimalBallClassifier(InstanceClassifier):
-    """Multiple-instance classifier by the ball that labels most training bags rightly.
+    """Multiple-instance classifier by the ball that labels most training bags correctly.
 
-    The centre is an instance of a positive bag, and a bag is positive if one of its instances lies in the
-    ball. All centres and radii are tried.
+    A bag is positive if one of its instances is in the ball. The centre is an instance of a positive bag; all
+    centres and radii are tried.
 
     Parameters
     ----------
     normalize : bool, default True
-        Map the range of each feature over all training instances to [0, 1] first.
+        Whether to map the range of each feature over all training instances to [0, 1] first.
 
     Attributes
     ----------
     center_ : ndarray (d,)
         The centre, in the units of the bags.
     scales_ : ndarray (d,)
-        What distances are measured with: that of x is ``np.linalg.norm(scales_ * (x - center_))``. All 1
-        without normalisation; with it 1 / range, and 0 for features that are constant in training.
+        Scales of distances: the distance of x is ``np.linalg.norm(scales_ * (x - center_))``. All 1 without
+        normalisation; with it, 1 / range, and 0 for features that are constant in training.
     radius_ : float
-        Largest distance inside.
+        Largest distance of a point inside.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
-    Only the nearest instance of each bag matters to a centre. A radius lies midway between two successive
-    distances of bags, or a hair beyond the last. Of equally good balls the one with the largest radius is
-    taken, then the one whose centre comes first in lexicographic order. This is the algorithm without
-    boosting; normalisation and the largest radius are also the choices of Weka's MIOptimalBall, which the
-    source compares with.
+    For each centre, only the nearest instance of each bag matters. A radius is midway between two successive
+    distances of bags, or slightly larger than the last. Of equally good balls, the one with the largest
+    radius is chosen, then the first centre in lexicographic order. This is the algorithm without boosting;
+    Weka's MIOptimalBall, with which the source compares, also normalises and chooses the largest radius.
 
     References
     ----------
@@ -106,7 +107,7 @@ class OptimalBallClassifier(InstanceClassifier):
 def bag_distances(
     columns: NDArray[np.float64], starts: NDArray[np.int64], centres: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Distance from every centre to the nearest point of every bag.
+    """Return the distance from every centre to the nearest point of every bag.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def bag_distances(
 
 @kernel
 def widest_best_ball(nearest: NDArray[np.float64], positive: NDArray[np.bool_]) -> tuple[int, float, int]:
-    """Find the ball that labels most bags rightly, the largest one of equals, the first one of those.
+    """Find the ball that labels most bags correctly; in case of ties, the largest and then the first.
 
     Parameters
     ----------
@@ -157,14 +158,14 @@ def widest_best_ball(nearest: NDArray[np.float64], positive: NDArray[np.bool_]) 
     Returns
     -------
     (int, float, int)
-        How many bags are labelled rightly, the radius, and the centre's row.
+        The number of bags labelled correctly, the radius, and the row of the centre.
     """
     n_bags = len(positive)
     best, radius, most = 0, -1.0, -1
     for i in range(len(nearest)):
         distances = nearest[i]
         order = np.argsort(distances)
-        # A cut that leaves all bags outside labels the negative ones rightly.
+        # A cut with all bags outside labels the negative ones correctly.
         right = n_bags - int(np.sum(positive))
         for j in range(n_bags):
             right += 1 if positive[order[j]] else -1

@@ -1,7 +1,7 @@
-"""Ascent on the diverse density: limited-memory BFGS on its negative logarithm, compiled whole.
+"""Ascent on the diverse density: limited-memory BFGS on its negative logarithm, fully compiled.
 
-A search starts from hundreds of points, and an evaluation may take microseconds: a library routine that calls
-back for each value would spend nearly all of its time between the calls.
+A search has hundreds of starts, and an evaluation may take only microseconds; a library routine that calls
+back for each value would spend nearly all of its time on the calls.
 
 Dimensions: a hypothesis of 2 d numbers.
 
@@ -30,7 +30,7 @@ _MOST_TRIALS: Final = 30
 
 
 class Trail(NamedTuple):
-    """Where a descent stands and the last steps that brought it there."""
+    """State of a descent, with its most recent steps."""
 
     gradient: NDArray[np.float64]  # (2 d,)
     direction: NDArray[np.float64]  # (2 d,)
@@ -43,10 +43,10 @@ class Trail(NamedTuple):
 
 @kernel
 def descend(sample: Sample, hypothesis: NDArray[np.float64], max_steps: int, tolerance: float) -> float:
-    """Improve a hypothesis (2, d) in place; its negative log density.
+    """Improve a hypothesis (2, d) in place; return its negative log density.
 
-    Ends after `max_steps` steps, or after a step that gains less than `tolerance` times the value (times 1
-    for values below 1), or where no step gains anything.
+    Stops after `max_steps` steps, after a step that gains less than `tolerance` times the value (or times 1,
+    for values below 1), or when no step brings a gain.
     """
     size = hypothesis.size
     trail = Trail(
@@ -88,7 +88,7 @@ def _evaluate(sample: Sample, position: NDArray[np.float64], trail: Trail) -> fl
 
 @kernel
 def _point_downhill(trail: Trail, stored: int) -> None:
-    """Two-loop recursion: minus the gradient times the inverse Hessian, as far as the steps have shown it."""
+    """Two-loop recursion: minus the gradient times the inverse Hessian, estimated from recent steps."""
     direction = trail.direction
     direction[:] = -trail.gradient
     if stored == 0:
@@ -112,9 +112,9 @@ def _point_downhill(trail: Trail, stored: int) -> None:
 def _search_line(
     sample: Sample, position: NDArray[np.float64], trail: Trail, value: float, slope: float
 ) -> float:
-    """Go along the direction to a point that satisfies the weak Wolfe conditions; its value.
+    """Move along the direction to a point that satisfies the weak Wolfe conditions; return its value.
 
-    After 30 trials without such a point, the decrease alone must do.
+    After 30 trials without such a point, a sufficient decrease is enough.
     """
     trail.origin[0] = position
     trail.origin[1] = trail.gradient
@@ -130,14 +130,14 @@ def _search_line(
         else:
             return reached
         length = 0.5 * (low + high) if high < np.inf else 2.0 * length
-    # The farthest point found that is low enough; the origin if there is none.
+    # The farthest point with a sufficient decrease, or the origin.
     position[:] = trail.origin[0] + low * trail.direction
     return _evaluate(sample, position, trail)
 
 
 @kernel
 def _remember(position: NDArray[np.float64], trail: Trail, stored: int) -> int:
-    """Keep the step just made, if the function curves upwards along it; how many steps are stored."""
+    """Store the last step if the function curves upwards along it; return the number of stored steps."""
     i = stored % _MEMORY
     trail.moves[i] = position - trail.origin[0]
     trail.turns[i] = trail.gradient - trail.origin[1]
@@ -151,8 +151,8 @@ def _remember(position: NDArray[np.float64], trail: Trail, stored: int) -> int:
 def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     """Inner product of two vectors.
 
-    That of a library would start threads for vectors of ten thousand, which costs more than it saves, and
-    would round in an order that depends on the machine. Four sums do not wait for each other.
+    A library routine would start threads for vectors of length ten thousand, which costs more than it saves,
+    and its rounding depends on the machine. Four sums can be computed in parallel.
     """
     first, second, third, fourth = 0.0, 0.0, 0.0, 0.0
     whole = len(a) - len(a) % 4

@@ -1,7 +1,7 @@
 """The three steps of iterated discrimination: grow a box, select its features, expand its bounds.
 
-A box needs at least one instance of each positive bag inside and should keep the instances of negative bags
-out.
+A box must contain at least one instance of each positive bag, and should exclude the instances of negative
+bags.
 
 Dimensions: n points in n_bags positive bags, m points of negative bags, d features.
 
@@ -31,15 +31,15 @@ _BISECTIONS: Final = 50
 def grow(points: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.int64]:
     """Choose one point of each bag so that the box around the chosen ones is small.
 
-    The size of a box is the sum of its widths. Beginning with a seed, the point that enlarges the box least
-    is added, of the bags not yet represented; after each addition all choices are reconsidered in turn, each
-    with the others fixed, until none changes (backfitting).
+    The size of a box is the sum of its widths. Starting from a seed, the point that enlarges the box least is
+    added from a bag not yet represented; after each addition, all choices are reconsidered in turn, with the
+    others fixed, until none changes (backfitting).
 
     Parameters
     ----------
     points : ndarray (n, d)
     starts : ndarray (n_bags + 1,)
-        First point of each bag; none is empty.
+        First point of each bag; no bag is empty.
 
     Returns
     -------
@@ -67,8 +67,8 @@ def grow(points: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.i
 def _seed(points: NDArray[np.float64], starts: NDArray[np.int64]) -> int:
     """Row of the point nearest to the centre of the minimax box.
 
-    Along each feature, that box reaches from the least maximum of a bag to the greatest minimum: it is the
-    smallest interval that holds, or touches, a value of each bag.
+    Along each feature, this box extends from the least maximum of a bag to the greatest minimum, which is the
+    smallest interval that contains, or touches, a value of each bag.
     """
     centre = np.empty(points.shape[1])
     for k in range(len(centre)):
@@ -100,7 +100,7 @@ def _box_around(points: NDArray[np.float64], chosen: NDArray[np.int64], but: int
 
 @kernel
 def _growth(point: NDArray[np.float64], box: NDArray[np.float64]) -> float:
-    """By how much the box must grow to hold a point (d,)."""
+    """How much the box must grow to contain a point (d,)."""
     growth = 0.0
     for k in range(len(point)):
         growth += max(box[0, k] - point[k], point[k] - box[1, k], 0.0)
@@ -111,7 +111,7 @@ def _growth(point: NDArray[np.float64], box: NDArray[np.float64]) -> float:
 def _least_growth(
     points: NDArray[np.float64], first: int, behind: int, box: NDArray[np.float64]
 ) -> tuple[int, float]:
-    """Which of the points first, ..., behind - 1 enlarges the box least, the first one of equals, and how."""
+    """Return which of the points first, ..., behind - 1 enlarges the box least, and by how much."""
     best, least = first, np.inf
     for row in range(first, behind):
         growth = _growth(points[row], box)
@@ -122,7 +122,7 @@ def _least_growth(
 
 @kernel
 def _backfit(points: NDArray[np.float64], starts: NDArray[np.int64], chosen: NDArray[np.int64]) -> None:
-    """Exchange chosen points, in place, for others of their bags while that makes the box smaller."""
+    """Exchange chosen points for others of their bags, in place, while this makes the box smaller."""
     if np.sum(chosen >= 0) < 2:
         return
     changed = True
@@ -133,7 +133,7 @@ def _backfit(points: NDArray[np.float64], starts: NDArray[np.int64], chosen: NDA
                 continue
             box = _box_around(points, chosen, bag)
             row, growth = _least_growth(points, starts[bag], starts[bag + 1], box)
-            # Rounding must not make two equal boxes change places for ever.
+            # Rounding must not make two equal boxes alternate forever.
             if growth < _growth(points[chosen[bag]], box) * _REAL_GAIN:
                 chosen[bag], changed = row, True
 
@@ -141,12 +141,11 @@ def _backfit(points: NDArray[np.float64], starts: NDArray[np.int64], chosen: NDA
 def discriminating(
     negatives: NDArray[np.float64], box: NDArray[np.float64], margin: float
 ) -> NDArray[np.bool_]:
-    """Select features that together keep the points of negative bags out of the box.
+    """Select features that together exclude the points of negative bags from the box.
 
-    A feature excludes a point that lies outside the box by more than the margin along it; a point that no
-    feature excludes so clearly is excluded by the one along which it lies farthest outside. The feature that
-    excludes most points is selected, these points are struck off, and so on. Points inside the box are of
-    no account.
+    A feature excludes the points outside the box by more than the margin along it; a point that no feature
+    excludes in this way is excluded by the feature along which it is farthest outside. The feature that
+    excludes most points is selected, these points are removed, and so on. Points inside the box are ignored.
 
     Parameters
     ----------
@@ -158,7 +157,7 @@ def discriminating(
     Returns
     -------
     bool ndarray (d,)
-        All False if all points lie inside.
+        All False if all points are inside.
     """
     excluded = _exclusions(negatives, box, margin)
     excluded = excluded[excluded.any(axis=1)]
@@ -175,7 +174,7 @@ def discriminating(
 
 @kernel
 def _exclusions(negatives: NDArray[np.float64], box: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
-    """Which features exclude which points, (m, d)."""
+    """Whether each feature excludes each point, shape (m, d)."""
     excluded = np.zeros(negatives.shape, dtype=np.bool_)
     for i in range(len(negatives)):
         farthest, along = 0.0, -1
@@ -190,19 +189,19 @@ def _exclusions(negatives: NDArray[np.float64], box: NDArray[np.float64], margin
 
 
 def expansion(values: NDArray[np.float64], tau: float, epsilon: float) -> NDArray[np.float64]:
-    """How far the bounds of a box must move outwards so that new positive instances will probably lie inside.
+    """How far the bounds of a box must move outwards to make new positive instances probably lie inside.
 
-    Each feature is taken by itself. Its density is estimated from the chosen points with Gaussian kernels,
-    so wide that one in the middle of the interval between the least and the greatest value would have the
-    part `tau` of its mass inside. A bound moves to where the estimate leaves ``epsilon / 2`` beyond it, or
-    stays where less is beyond it already.
+    Features are treated independently. The density of a feature is estimated from the chosen points with
+    Gaussian kernels; their width is such that a kernel in the middle of the range of values has the share
+    `tau` of its mass inside. A bound moves to where the estimated mass beyond it is ``epsilon / 2``, or stays
+    if less mass is beyond it already.
 
     Parameters
     ----------
     values : ndarray (n_bags, d)
         The chosen points.
     tau, epsilon : float
-        Between 0 and 1; not so small that 1 + tau is rounded to 1 or epsilon / 2 to 0.
+        Between 0 and 1; not so small that 1 + tau rounds to 1 or epsilon / 2 to 0.
 
     Returns
     -------
@@ -219,13 +218,13 @@ def expansion(values: NDArray[np.float64], tau: float, epsilon: float) -> NDArra
 def _quantile_beyond(
     offsets: NDArray[np.float64], widths: NDArray[np.float64], mass: float
 ) -> NDArray[np.float64]:
-    """How far outside the bound no more than `mass` of the density is left, (d,), by bisection.
+    """Return the distance beyond which at most `mass` of the density is left, shape (d,), by bisection.
 
-    `offsets` (n_bags, d) are at most 0: the values minus the bound, counted outwards.
+    `offsets` (n_bags, d) are the values minus the bound, outwards, and at most 0.
     """
     units = np.divide(offsets, widths, out=np.zeros_like(offsets), where=widths > 0.0)
     low = np.zeros(len(widths))
-    # The estimate leaves less beyond a distance than a kernel at the bound itself does.
+    # The estimated mass beyond a distance is at most that of a kernel at the bound.
     high = np.full(len(widths), -float(ndtri(mass)))
     inside = ndtr(units).mean(axis=0) <= mass
     for _ in range(_BISECTIONS):

@@ -1,4 +1,4 @@
-"""The single-instance baseline: a support vector machine to which every instance has its bag's label."""
+"""The single-instance baseline: a support vector machine in which instances inherit their bag's label."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class SingleInstanceSVMClassifier(InstanceClassifier):
     """A machine with a radial kernel, trained on all instances with the labels of their bags.
 
-    It is what ignoring the bags costs or gains, and the first round of `InstanceMarginSVMClassifier`.
+    It shows the effect of ignoring bags, and is the first round of `InstanceMarginSVMClassifier`.
 
     Parameters
     ----------
@@ -28,15 +28,16 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
         Price of slack.
     gamma : "heuristic" or float, default "heuristic"
         Coefficient of squared distances in the kernel: a number, or 1 / (2 s^2) with s the mean of the 10th
-        and 90th percentile of the distances between training instances (thinned out beyond 3000 instances).
+        and 90th percentile of the distances between training instances (of a subset if there are more than
+        3000).
     gamma_factor : float, default 1.0
-        Multiplies gamma.
+        Factor of gamma.
     scale_C : bool, default True
         Whether C is divided by the number of instances.
     tol : float, default 1e-3
-        LIBSVM's tolerance.
+        Tolerance of LIBSVM.
     max_solver_iter : int, default 10_000_000
-        Most steps of LIBSVM.
+        Largest number of LIBSVM's steps.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -45,13 +46,15 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
     machine_ : KernelMachine
         Support vectors, coefficients and intercept.
     gamma_ : float
-        The coefficient used, factor included.
+        The coefficient used, including the factor.
     converged_ : bool
         Whether LIBSVM reached its tolerance.
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
 
     References
     ----------
@@ -98,5 +101,5 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
         self.converged_ = self.machine_.converged
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value of the machine, whose margins are at -1 and 1."""
+        """Value of the machine, with margins at -1 and 1."""
         return self.machine_.scores(points)

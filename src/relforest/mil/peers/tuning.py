@@ -1,4 +1,4 @@
-"""Peers whose C and kernel width are chosen by cross-validation."""
+"""Choosing C and the kernel width of peers by cross-validation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from relforest.support.options import at_least, one_of
 from relforest.support.progress import report
 from relforest.support.rng import RandomState, generator, seed_sequence
 
-# Nearest to the heuristic values first: the first of equally good settings wins.
+# Settings nearest to the heuristic values come first, since the first of equally good settings wins.
 _EXPONENTS: Final = {
     "full": (
         sorted(range(-4, 10), key=lambda power: (abs(power - 4), power)),
@@ -28,18 +28,18 @@ _EXPONENTS: Final = {
 
 
 def svm_grid(size: Literal["full", "coarse"] = "full") -> dict[str, list[float]]:
-    """Return values of C and of the factor of gamma to try, those nearest to the heuristic ones first.
+    """Return values of C and of gamma's factor to try, starting with those nearest to the heuristic values.
 
     Parameters
     ----------
     size : {"full", "coarse"}
         "full": C from 1e-4 to 1e9 by powers of 10 and factors from 1/128 to 128 by powers of 2, 210 pairs.
-        "coarse": 4 and 5 values of them, 20 pairs: C of 1, 100, 1e4 and 1e6, factors from 1/16 to 16.
+        "coarse": C of 1, 100, 1e4 and 1e6, and five factors from 1/16 to 16, 20 pairs.
 
     Raises
     ------
     InputError
-        If the size is neither of the two.
+        If the size is unknown.
 
     References
     ----------
@@ -57,43 +57,43 @@ def tuned(
     random_state: RandomState = 0,
     n_jobs: int | None = None,
 ) -> TunedSearch:
-    """Wrap a classifier of bags in a search for C and the factor of gamma.
+    """Wrap a classifier of bags in a search for C and gamma's factor.
 
     Parameters
     ----------
     estimator : estimator with the parameters ``C`` and ``gamma_factor``, or a pipeline that ends in one
-        Any machine of this package, or a scikit-learn pipeline whose last step is one, such as
-        ``make_pipeline(BagScaler(), MILESClassifier())``; all other parameters stay as they are.
+        A machine from this package, or a scikit-learn pipeline ending in one, such as
+        ``make_pipeline(BagScaler(), MILESClassifier())``; other parameters do not change.
     grid : {"full", "coarse"}
         See `svm_grid`.
     n_splits : int
-        Number of stratified folds; each class needs as many bags.
-    random_state : int, SeedSequence, Generator or None, default 0
-        Seed of the division into folds, which is the same for all settings and whenever the search is fitted.
+        Number of stratified folds; each class needs at least this many bags.
+    random_state : int, Generator, RandomState, SeedSequence or None, default 0
+        Seed of the folds, which are the same for all settings and for every fit of the search.
     n_jobs : int, optional
-        Passed to scikit-learn: how many fits run at the same time.
+        Number of fits in parallel, passed to scikit-learn.
 
     Returns
     -------
     TunedSearch
-        A `sklearn.model_selection.GridSearchCV`, unfitted. It takes a list of bags or an array, but no
-        ``(X, bag_ids)``, and chooses the highest mean Peirce skill score over the folds; of equal ones, the
-        setting nearest to the heuristic values. In the names of a pipeline's parameters, those of the machine
-        come after the name of its step, as in ``best_params_["milesclassifier__C"]``.
+        A `sklearn.model_selection.GridSearchCV`, unfitted. It takes a list of bags or an array, but no tuple
+        ``(X, bag_ids)``, and chooses the setting with the highest mean Peirce skill score over the folds; in
+        case of ties, the one nearest to the heuristic values. Parameters of a pipeline are prefixed with the
+        name of the step, as in ``best_params_["milesclassifier__C"]``.
 
     Raises
     ------
     InputError
-        If the estimator has no such parameters, or an option is out of range. Fitting raises what the
-        estimator raises, and scikit-learn's error or warning if a class has fewer bags than there are folds.
+        If the estimator lacks these parameters, or an option is out of range. Fitting raises the errors of
+        the estimator, and scikit-learn's error or warning if a class has fewer bags than folds.
 
     Notes
     -----
-    With 5 folds "full" means 1051 fits and "coarse" 101. On one core, 100 bags of 3 instances with 2 features
-    took 3 (mi-SVM, MI-SVM) to 8 seconds (MILES) with "coarse"; for Musk 2, 6598 instances with 166 features,
-    reckon with some minutes. "full" took 1 minute with MILES, and 3 to 5 with the others if their
-    `max_solver_iter` is 100_000. With the default of 10 million, LIBSVM stays long where C is above 1e6, and
-    "full" takes over 20 minutes; for Musk 2 reckon with an hour or more.
+    With 5 folds, "full" takes 1051 fits and "coarse" 101. On one core and 100 bags of 3 instances with 2
+    features, "coarse" took 3 seconds (mi-SVM, MI-SVM) to 8 (MILES); for Musk 2, 6598 instances with 166
+    features, expect several minutes. "full" took 1 minute with MILES, and 3 to 5 with the others if their
+    `max_solver_iter` was 100_000. With the default of 10 million, LIBSVM takes long if C is above 1e6, and
+    "full" takes over 20 minutes; for Musk 2, expect an hour or more.
 
     References
     ----------
@@ -126,11 +126,11 @@ def tuned(
 
 @final
 class TunedSearch(GridSearchCV):  # type: ignore[misc]  # scikit-learn is untyped
-    """A grid search that reports how many settings are done (`relforest.support.progress`)."""
+    """A grid search that reports its progress (`relforest.support.progress`)."""
 
     def _run_search(self, evaluate_candidates: Callable[[list[dict[str, Any]]], object]) -> None:
         candidates = list(ParameterGrid(self.param_grid))
-        # As many at a time as keep all workers busy; for one worker, one.
+        # Enough settings at a time to keep all workers busy.
         step = effective_n_jobs(self.n_jobs)
         for first in range(0, len(candidates), step):
             report("tuning: settings", first, len(candidates))
@@ -138,12 +138,12 @@ class TunedSearch(GridSearchCV):  # type: ignore[misc]  # scikit-learn is untype
 
 
 def _prefix_of_machine(estimator: BaseEstimator) -> str:
-    """Return what comes before the names of a machine's parameters: nothing, or the step of a pipeline.
+    """Return the prefix of the machine's parameters: empty, or the name of a step in a pipeline.
 
     Raises
     ------
     InputError
-        If there is no machine to tune.
+        If the estimator is not a machine.
     """
     machine, prefix = estimator, ""
     while isinstance(machine, Pipeline) and machine.steps:
@@ -153,7 +153,7 @@ def _prefix_of_machine(estimator: BaseEstimator) -> str:
     lacking = [name for name in ("C", "gamma_factor") if name not in names]
     if lacking:
         raise InputError(
-            f"{type(machine).__name__} has no parameter {lacking[0]!r}: only a machine with a radial kernel "
-            "can be tuned like this, alone or as the last step of a pipeline"
+            f"{type(machine).__name__} does not have the parameter {lacking[0]!r}: only machines with a "
+            "radial kernel can be tuned, alone or as the last step of a pipeline"
         )
     return prefix
