@@ -86,7 +86,10 @@ def _decimal_of(table: Frame) -> str | None:
 def _parse(texts: Mapping[str, ArrowArray], decimal: str | None, locate: Locate) -> dict[str, FloatArray]:
     """Return columns of text as numbers."""
     if decimal != ",":
-        parsed = {name: _cast(column) for name, column in texts.items()}
+        parsed = {}
+        for name, column in texts.items():
+            values = _cast(column)
+            parsed[name] = _cast(_cleaned(column)) if values is None else values
         if all(values is not None for values in parsed.values()):
             return cast("dict[str, FloatArray]", parsed)
     cleaned = {name: _cleaned(column) for name, column in texts.items()}
