@@ -152,6 +152,8 @@ def _read_parts(folder: Path) -> ValueFunction | None:
     with well_formed(f"{path} does not describe a policy"):
         names = [str(entry["weights"]) for entry in document["actions"]]
         iteration = document["iteration"]
+        if type(iteration) is not int:
+            raise ModelFormatError(f"the iteration must be an integer, got {iteration!r:.100}")
     arrays = read_npz(folder / WEIGHTS, ["iteration", *names])
     if not np.array_equal(arrays["iteration"], iteration):
         return None

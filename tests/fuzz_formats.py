@@ -1,0 +1,329 @@
+"""Every format that relforest reads: a valid file of it, ways to damage that, and how to read it."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final, final
+
+import numpy as np
+import pyarrow as pa
+from matplotlib.figure import Figure
+from pyarrow import parquet
+
+from mutations import (
+    Mutation,
+    damaged,
+    either,
+    inside_gzip,
+    with_other_arrays,
+    with_other_fields,
+    with_other_values,
+)
+from relforest.cli.columns import Columns
+from relforest.cli.model_file import Model, read_model, write_model
+from relforest.datasets import read_arff, read_c45, read_csv
+from relforest.experiments import sarsa_folder
+from relforest.experiments.claims import Findings
+from relforest.experiments.folders import claimed
+from relforest.experiments.run_config import RunConfig
+from relforest.experiments.run_metrics import metrics_of
+from relforest.experiments.runner import run_study
+from relforest.experiments.study import Place, Study
+from relforest.experiments.table import Row, Table
+from relforest.reports import QuestionPoints, save_figure, tree_figure
+from relforest.reports.run_report import metrics_table, run_report
+from relforest.reports.tree_path import path_in_words, tree_path
+from relforest.rl.checkpoint import METRIC_NAMES, Progress, RunFolder
+from relforest.rl.configuration import describe_run, restore_run
+from relforest.rl.peers import SarsaSettings, TileCoding, make_team
+from relforest.rl.policy_file import read_policy, write_policy, write_tree
+from relforest.rl.settings import RPISettings
+from relforest.rl.value import ValueFunction
+from relforest.scenes import Attribute, Scenes, read_table
+from relforest.smdp import Decision
+from relforest.support.rng import seed_sequence
+from relforest.trees import query
+from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
+from reports.drawn_trees import five_questions, scenes_of
+from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes
+
+TABLE: Final = "".join(
+    ["scene,object,x,y,theta,label\n"]
+    + [f"{i // 3},o{i},{i % 7 - 3.5},{i * i % 11 / 4},{i % 6 - 3},{i // 3 % 2}\n" for i in range(24)]
+)
+BAGS: Final = TABLE.replace("scene", "bag_id").replace("label", "bag_label")
+ATTRIBUTES: Final[Mapping[str | Attribute, Sequence[str]]] = {
+    "location": ("x", "y"),
+    Attribute("orientation"): ("theta",),
+}
+SCENES: Final = scenes_of([[0, 0], [1, 0.1], [0.5, 0]], [[0, 0], [4, 4]], [[1, 1], [2.5, 1]])
+DATA: Final = Path(__file__).parent / "data"
+FORESTS: Final = ((near(SCHEMA), near(SCHEMA, mean=0.9)), (beside(), near(PICK_SCHEMA)))
+NAMES: Final = (("0001-wait-1.json", "0002-wait-1.json"), ("0001-pick-1.json", "0002-pick-1.json"))
+CONFIG: Final = RunConfig("corridor", episodes=3, iterations=2, seed=7)
+ROWS: Final = [
+    {
+        "iteration": number,
+        "test_reward": 0.5 * number,
+        "train_reward": None if number == 0 else 1.5,
+        "trees": 2 * number,
+        "leaves": 6 * number,
+    }
+    for number in range(3)
+]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Format:
+    """One format.
+
+    Parameters
+    ----------
+    make : callable
+        Writes valid files into an empty folder.
+    mutations : mapping of str to Mutation
+        How each of its files may be damaged; patterns of `Path.glob`.
+    read : callable
+        Reads the folder through the public reader and uses what it got.
+    weight : int
+        Of how many cases it gets, against 1 of a format that is quick to read.
+    """
+
+    make: Callable[[Path], object]
+    mutations: Mapping[str, Mutation]
+    read: Callable[[Path], object]
+    weight: float = field(default=1.0)
+
+
+def mutate(files: Mapping[str, bytes], chosen: Format, rng: np.random.Generator) -> dict[str, bytes]:
+    """Return the files of a format, one of which is damaged."""
+    targets = [
+        (name, mutation)
+        for name in sorted(files)
+        for pattern, mutation in chosen.mutations.items()
+        if Path(name).match(pattern)
+    ]
+    name, mutation = targets[int(rng.integers(len(targets)))]
+    return {**files, name: mutation(files[name], rng)}
+
+
+def _frame(path: Path) -> Scenes:
+    scenes = Scenes.from_frame(read_table(path), scene="scene", object="object", attributes=ATTRIBUTES)
+    assert len(scenes.scene_ids) == len(scenes)
+    return scenes
+
+
+def _foreign_parquet(folder: Path) -> None:
+    columns: dict[str, list[Any]] = {name: [] for name in TABLE.split("\n")[0].split(",")}
+    for line in TABLE.split("\n")[1:-1]:
+        for name, value in zip(columns, line.split(","), strict=True):
+            columns[name].append(value if name == "object" else float(value))
+    table = pa.table(columns)
+    table = table.set_column(0, "scene", table["scene"].cast("int64")).append_column(
+        "when", pa.array([None] * 24, pa.timestamp("us"))
+    )
+    parquet.write_table(table, folder / "table.parquet", compression="snappy", row_group_size=10)
+
+
+def _own_scenes(path: Path) -> None:
+    scenes = Scenes.from_parquet(path)
+    assert len(scenes.scene_ids) == len(scenes)
+
+
+def _model(folder: Path) -> None:
+    names = (("x", "y"), ("theta",), ("r", "g", "b"), ("cost",))
+    columns = Columns("pass", None, tuple(zip(DRAWN_SCHEMA.attributes, names, strict=True)), ("passer",))
+    points = QuestionPoints(np.arange(8.0).reshape(-1, 2) / 3, np.arange(4) % 2 == 0)
+    write_model(
+        folder / "model.json", Model(five_questions(), "completed", ("no", "yes"), columns, {2: points})
+    )
+
+
+def _use_model(path: Path) -> None:
+    model = read_model(path)
+    assert str(model.tree)
+    assert str(model.positive)
+    scene = None
+    if model.tree.schema == SCENES.schema:
+        query(model.tree, SCENES)
+        scene = SCENES.take([0])
+        assert path_in_words(model.tree, tree_path(model.tree, scene))
+    # A picture takes a hundred times longer than the rest: a share of the cases gets one.
+    if path.stat().st_size % 8 == 0:
+        figure = tree_figure(model.tree, points=model.points, highlight=scene, title=model.positive)
+        save_figure(figure, path.with_suffix(".svg" if path.stat().st_size % 16 else ".png"))
+
+
+def _trees(folder: Path) -> None:
+    for names, trees in zip(NAMES, FORESTS, strict=True):
+        for name, tree in zip(names, trees, strict=True):
+            write_tree(folder, name, tree)
+
+
+def _value() -> ValueFunction:
+    weights = (np.linspace(-1, 1, 13), np.linspace(0, 1, 20))
+    return ValueFunction(SCHEMA, ACTION_TYPES, "densities+bits", FORESTS, weights)
+
+
+def _policy(folder: Path) -> None:
+    _trees(folder)
+    write_policy(folder, _value(), NAMES, 2)
+
+
+def _act(value: ValueFunction) -> None:
+    things = np.array([0.2, 0.7, 0.4])
+    offered = Decision(things[:, None], np.array([0, 1, 1, 1]), np.array([[-1], [0], [1], [2]]), np.arange(4))
+    if value.schema == SCHEMA and value.action_types == ACTION_TYPES:
+        assert np.isfinite(value.values(offered)).all()
+
+
+def _run(folder: Path) -> None:
+    progress = Progress(_value(), NAMES, tuple(ROWS), (two_episodes(), two_episodes()))
+    with claimed(folder, CONFIG.identity(), is_finished=lambda: True):
+        pass
+    settings = describe_run(Picking(), RPISettings(), seed_sequence(7), (3, 3))
+    _trees(folder)
+    RunFolder(folder).write(progress, settings)
+
+
+def _use_run(folder: Path) -> None:
+    with claimed(folder, CONFIG.identity(), is_finished=lambda: True):
+        rows = metrics_of(folder)
+    assert metrics_table(rows, METRIC_NAMES)
+    assert run_report(folder)
+    run = RunFolder(folder)
+    if run.holds_run:
+        progress, configuration = run.read()
+        restore_run(configuration, folder)
+        run.repair(progress)
+        _act(progress.value)
+
+
+def _sarsa(folder: Path) -> None:
+    team = make_team(TileCoding([2.0, 10.0], 3, tilings=2), 3, SarsaSettings(), random_state=0)
+    for number in range(2):
+        sarsa_folder.write_iteration(folder, team, [dict(row) for row in ROWS[: number + 1]])
+
+
+def _use_sarsa(folder: Path) -> None:
+    assert metrics_table(metrics_of(folder), METRIC_NAMES)
+    for agent in sarsa_folder.trained_team(folder):
+        if agent.features.n_features < 1000 and agent.features.to_dict()["widths"] == [2.0, 10.0]:
+            agent.start([1.0, 5.0])
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Count:
+    """A setting of the study below."""
+
+    count: int
+
+    def __str__(self) -> str:
+        return f"{self.count} rows"
+
+
+def _count(setting: Count, place: Place) -> list[Row]:
+    return [{"number": number, "name": f"row {place.index}", "value": 0.5} for number in range(setting.count)]
+
+
+def _findings(table: Table) -> Findings:
+    return Findings(f"{len(table)} rows, {table.numbers('value').mean():.3g}, {table.distinct('name')}")
+
+
+def _no_figures(_: Table) -> Mapping[str, Figure]:
+    return {}
+
+
+STUDY: Final = Study(
+    "counting",
+    "How many?",
+    (Count(2), Count(3)),
+    (Count(1),),
+    _count,
+    _findings,
+    _no_figures,
+    compiles=False,
+)
+
+
+_TEXT: Final = either(damaged, with_other_fields, with_other_fields)
+_JSON: Final = either(damaged, with_other_values, with_other_values, with_other_values)
+_ARRAYS: Final = either(damaged, with_other_arrays, with_other_arrays)
+
+FORMATS: Final[Mapping[str, Format]] = {
+    "csv": Format(
+        lambda folder: (folder / "table.csv").write_text(TABLE),
+        {"table.csv": _TEXT},
+        lambda folder: _frame(folder / "table.csv"),
+    ),
+    "parquet, ours": Format(
+        lambda folder: SCENES.to_parquet(folder / "scenes.parquet"),
+        {"scenes.parquet": damaged},
+        lambda folder: _own_scenes(folder / "scenes.parquet"),
+    ),
+    "parquet, foreign": Format(
+        _foreign_parquet, {"table.parquet": damaged}, lambda folder: _frame(folder / "table.parquet")
+    ),
+    "bags as csv": Format(
+        lambda folder: (folder / "bags.csv").write_text(BAGS),
+        {"bags.csv": _TEXT},
+        lambda folder: read_csv(folder / "bags.csv", features=["x", "y"]),
+    ),
+    "bags as csv.gz": Format(
+        lambda folder: (folder / "bags.csv.gz").write_bytes(gzip.compress(BAGS.encode(), mtime=0)),
+        {"bags.csv.gz": inside_gzip(_TEXT)},
+        lambda folder: read_csv(folder / "bags.csv.gz", features=["x", "y"]),
+        0.3,
+    ),
+    "arff": Format(
+        lambda folder: (folder / "bags.arff").write_bytes((DATA / "few_molecules.arff").read_bytes()),
+        {"bags.arff": _TEXT},
+        lambda folder: read_arff(folder / "bags.arff"),
+    ),
+    "c45": Format(
+        lambda folder: (folder / "bags.data").write_bytes((DATA / "few_molecules.data").read_bytes()),
+        {"bags.data": _TEXT},
+        lambda folder: read_c45(folder / "bags.data"),
+    ),
+    "model": Format(_model, {"model.json": _JSON}, lambda folder: _use_model(folder / "model.json"), 0.7),
+    "tree": Format(
+        lambda folder: (folder / "tree.json").write_text(json.dumps(five_questions().to_dict())),
+        {"tree.json": _JSON},
+        lambda folder: _use_model(folder / "tree.json"),
+        0.7,
+    ),
+    "policy": Format(
+        _policy,
+        {"policy.json": _JSON, "weights.npz": _ARRAYS, "trees/*.json": _JSON},
+        lambda folder: _act(read_policy(folder)),
+    ),
+    "run": Format(
+        _run,
+        {
+            "run.json": _JSON,
+            "checkpoint.json": _JSON,
+            "policy.json": _JSON,
+            "metrics.jsonl": damaged,
+            "experience/*.npz": _ARRAYS,
+        },
+        _use_run,
+        0.7,
+    ),
+    "sarsa": Format(
+        _sarsa,
+        {"sarsa-run.json": _JSON, "model-*/sarsa.json": _JSON, "model-*/*.npz": _ARRAYS},
+        _use_sarsa,
+    ),
+    "study": Format(
+        lambda folder: run_study(STUDY, folder),
+        {"study.json": _JSON, "settings/*.json": _JSON},
+        lambda folder: run_study(STUDY, folder),
+        0.7,
+    ),
+}
