@@ -82,7 +82,7 @@ def test_the_command_is_the_one_that_users_type(tmp_path: Path) -> None:
 
 def test_a_run_that_fails_is_no_result(tmp_path: Path) -> None:
     with pytest.raises(
-        RelforestError, match=r"relforest learn failed in .* with exit status 1:\n.*episodes must be"
+        RelforestError, match=r"relforest learn failed in .* with exit status 2:\n.*--episodes must be"
     ):
         compute(ResumeSetting("x", "x", 1, 1, 1, episodes=0, moments=1), Place(0, 0, tmp_path))
 
