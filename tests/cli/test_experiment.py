@@ -69,7 +69,7 @@ def test_choices_of_other_studies_are_refused(run: CommandLine, tmp_path: Path) 
     outcome = run("experiment", "covagg", "--datasets", "musk1", "--out", tmp_path / "out")
 
     assert outcome.code == 1
-    assert "the study covagg has no choice of datasets: leave it out" in outcome.err
+    assert "the study covagg does not offer a choice of datasets: omit it" in outcome.err
     assert not (tmp_path / "out").exists()
 
 

@@ -97,7 +97,7 @@ def test_folders_of_other_work_are_left_alone(run: CommandLine, tmp_path: Path) 
     outcome = run("learn", "corridor", *SMALL, "--out", tmp_path)
 
     assert outcome.code == 1
-    assert "it holds 'thesis.txt'" in outcome.err
+    assert "contains 'thesis.txt' but not run.json" in outcome.err
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 

@@ -112,7 +112,7 @@ def test_a_learned_policy_plays(run: CommandLine, tmp_path: Path) -> None:
 
     assert run("play", "keepaway", "--policy", folder, "--max-cycles", "9", "--out", out).code == 0
     assert f'"subtitle":"learned in {folder}, ' in out.read_text("utf-8")
-    assert "holds no run of keepaway" in run("play", "keepaway", "--policy", tmp_path).err
+    assert "is not a run of keepaway" in run("play", "keepaway", "--policy", tmp_path).err
 
 
 def test_unknown_worlds_are_refused(run: CommandLine) -> None:

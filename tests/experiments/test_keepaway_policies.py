@@ -44,7 +44,7 @@ def test_what_smrf_rpi_learned_plays_with_other_numbers_of_players(tmp_path: Pat
 
 
 def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="holds no run of keepaway"):
+    with pytest.raises(InputError, match="is not a run of keepaway"):
         learned_policy(tmp_path, 3, 2)
     write_iteration(tmp_path, benchmark_team(RULES), [ROW])
     with pytest.raises(InputError, match="a team of 3 keepers, not 4"):
@@ -55,5 +55,5 @@ def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
 
 def test_of_several_runs_one_must_be_chosen(tmp_path: Path) -> None:
     (tmp_path / "run-00").mkdir()
-    with pytest.raises(InputError, match="holds several runs: give the folder of one"):
+    with pytest.raises(InputError, match="contains several runs: give the folder of one"):
         learned_policy(tmp_path, 3, 2)

@@ -137,7 +137,7 @@ def test_deleted_figures_are_drawn_again_from_the_saved_rows(tmp_path: Path) -> 
 def test_a_damaged_setting_is_named(tmp_path: Path, text: str) -> None:
     run_study(STUDY, tmp_path)
     (tmp_path / "settings" / "0000.json").write_text(text)
-    with pytest.raises(RunFolderError, match=r"0000\.json.*delete .*, and it is computed again"):
+    with pytest.raises(RunFolderError, match=r"0000\.json.*delete .* to compute it again"):
         run_study(STUDY, tmp_path)
 
 
@@ -193,7 +193,10 @@ def test_a_choice_may_be_widened_later_in_the_same_folder(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("only", "complaint"),
     [
-        ({"sides": ["6"]}, r"the study dice has no choice of sides, only of parity and counts: leave it out"),
+        (
+            {"sides": ["6"]},
+            r"the study dice does not offer a choice of sides, only of parity and counts: omit it",
+        ),
         ({"counts": ["2", "5"]}, r"counts of the study dice must be one of '2', '3', '4', got '5'"),
         ({"counts": ["2"], "parity": ["odd"]}, r"no setting with counts 2 and parity odd: choose others"),
     ],
@@ -205,7 +208,7 @@ def test_a_choice_must_exist(tmp_path: Path, only: dict[str, list[str]], complai
 
 
 def test_a_study_without_choices_says_so(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the study dice has no choice of methods: leave it out"):
+    with pytest.raises(InputError, match="the study dice does not offer a choice of methods: omit it"):
         run_study(STUDY, tmp_path / "out", only={"methods": ["a"]})
 
 

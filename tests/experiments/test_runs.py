@@ -113,7 +113,7 @@ def test_another_configuration_is_refused(finished: Path, changes: dict[str, Any
 def test_a_folder_of_something_else_is_not_touched(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
 
-    with pytest.raises(RunFolderError, match=r"holds no run\.json"):
+    with pytest.raises(RunFolderError, match=r"contains .thesis\.txt. but not run\.json"):
         learn_runs(SMALL, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 

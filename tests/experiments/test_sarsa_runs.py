@@ -116,5 +116,5 @@ def test_a_damaged_checkpoint_is_named(tmp_path: Path, content: str) -> None:
 
 
 def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ModelFormatError, match=r"holds no sarsa-run\.json"):
+    with pytest.raises(ModelFormatError, match=r"does not contain sarsa-run\.json"):
         trained_team(tmp_path)

@@ -48,8 +48,8 @@ def test_csv_is_read_back_exactly() -> None:
     [
         (lambda: Table.of([]), "at least one row"),
         (lambda: Table.of([{"a": 1}, {"b": 1}]), "row 1 has the columns b, but the first a"),
-        (lambda: Table.of(ROWS).cells("pss"), "no column 'pss'; the table has set, pair, score, done"),
-        (lambda: Table.of(ROWS).numbers("set"), r"column 'set' holds text \('a'\)"),
+        (lambda: Table.of(ROWS).cells("pss"), "not have a column 'pss', only set, pair, score, done"),
+        (lambda: Table.of(ROWS).numbers("set"), r"column 'set' contains text \('a'\)"),
         (lambda: Table.of(ROWS).where(set="c", pair=0), "no row has set = 'c', pair = 0"),
     ],
 )

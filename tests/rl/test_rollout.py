@@ -93,7 +93,7 @@ def test_counts_of_episodes_are_checked(episodes: Any) -> None:
 
 
 def test_an_environment_must_hold_a_world() -> None:
-    with pytest.raises(InputError, match="CartPoleEnv is no world"):
+    with pytest.raises(InputError, match="SMRF-RPI cannot learn CartPoleEnv"):
         world_of(gymnasium.make("CartPole-v1"))
 
 

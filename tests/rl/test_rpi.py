@@ -143,7 +143,7 @@ def test_counts_are_checked(arguments: tuple[Any, Any], message: str) -> None:
 def test_options_are_checked() -> None:
     with pytest.raises(InputError, match=r"settings must be RPISettings\(\.\.\.\)"):
         agent(settings=LSPISettings())
-    with pytest.raises(InputError, match="is no world"):
+    with pytest.raises(InputError, match="SMRF-RPI cannot learn"):
         SMRFRPI(gymnasium.make("CartPole-v1"))
     with pytest.raises(InputError, match="n_jobs"):
         agent(n_jobs=0)
@@ -207,7 +207,7 @@ def test_every_part_of_an_iteration_is_reported_and_changes_nothing(learned: SMR
     assert ("iteration 1", "round 1", "tree 1 of 4") in parts
 
 
-def test_a_verbose_agent_tells_on_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_verbose_agent_prints_to_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
     agent(verbose=True).learn(1, 6)
     printed = capsys.readouterr()
 

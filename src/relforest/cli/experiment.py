@@ -20,11 +20,10 @@ _CHOICE: Final = arg(metavar="NAME[,NAME...]", help_behavior_hint="(default: all
 @final
 @dataclass(frozen=True, slots=True)
 class ExperimentOptions:
-    """Run one of the library's studies, or list them if none is named.
+    """Run one of the library's studies, or list them.
 
-    A study computes its settings, saves the rows of each as soon as it is done, and states its findings next
-    to the bounds that they must keep. Started again, it goes on where it was interrupted. The exit code is 1
-    if a bound of a whole study is missed.
+    A study computes its settings, saves the rows of each, and compares its findings with bounds. Run the same
+    command again to resume an interrupted study. The exit code is 1 if a full study misses a bound.
 
     For example:
       relforest experiment
@@ -35,19 +34,19 @@ class ExperimentOptions:
     Parameters
     ----------
     name
-        The study.
+        Name of the study.
     smoke
-        Run a small version, done in seconds; its numbers mean nothing.
+        Run a small version that takes seconds; its numbers are meaningless.
     seed
-        The same seed gives the same rows.
+        Random seed; the same seed gives the same rows.
     jobs
         Processes; -1 = all cores. The result does not depend on it.
     out
         Folder for the results.
     methods
-        Only these methods, separated by commas, of a study that compares some.
+        Only these methods or variants, in studies that compare some.
     datasets
-        Only these data sets, of a study that has some. What was left out may be computed later.
+        Only these data sets, in studies that use some. The rest may be computed later.
     """
 
     name: Annotated[Positional[str], arg(metavar="[NAME]", help_behavior_hint="(default: list them)")] = ""
@@ -62,7 +61,7 @@ class ExperimentOptions:
 
 
 def experiment(options: ExperimentOptions) -> int:
-    """Run a study as the options say; the exit code is 1 if a bound of a whole study is missed, else 0."""
+    """Run a study; the exit code is 1 if a full study misses a bound, else 0."""
     from relforest.experiments.questions import QUESTIONS
 
     if not options.name:
@@ -102,5 +101,5 @@ def experiment(options: ExperimentOptions) -> int:
 
 
 def _names(texts: tuple[str, ...]) -> tuple[str, ...]:
-    """Take apart names separated by commas."""
+    """Split names at commas."""
     return tuple(name.strip() for text in texts for name in text.split(",") if name.strip())

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 class LearnOptions:
     """Learn a policy for a world.
 
-    Every iteration of SMRF-RPI gathers episodes of experience, learns trees that explain the Bellman error,
-    and a policy with the trees as features. All of it is written to a run folder: metrics.jsonl (a line per
-    iteration, the first one before learning), trees/*.json, policy.json, reward.png, and q-function.png for
-    the corridor or policy-map.png for keepaway. The learner of the keepaway benchmark, Sarsa with tile
-    coding, learns online during the episodes of an iteration. The same command started again takes an
-    interrupted run up where it stopped, with the same result; more iterations extend a finished one.
+    In every iteration, SMRF-RPI plays episodes, learns trees that explain the Bellman error, and learns a
+    policy with the trees as features. Sarsa with tile coding, the learner of the keepaway benchmark, learns
+    during the episodes. The run folder receives metrics.jsonl (a line per iteration, the first one before
+    learning), trees/*.json, policy.json, reward.png, and q-function.png (corridor) or policy-map.png
+    (keepaway). Run the same command again to resume an interrupted run, with the same result; more iterations
+    extend a finished one.
 
     For example:
       relforest learn corridor
@@ -43,21 +43,21 @@ class LearnOptions:
         What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-4v3 (on 25 m by 25 m),
         high-towers or color-grouping (5 blocks).
     method
-        smrf-rpi, or for keepaway cmac-sarsa (every keeper learns alone, as in the benchmark) or
+        Learner: smrf-rpi or, for keepaway, cmac-sarsa (each keeper learns alone, as in the benchmark) or
         cmac-sarsa-shared (all learn from everyone's experience).
     episodes
-        Episodes of training experience per iteration.
+        Training episodes per iteration.
     iterations
-        Iterations of each run.
+        Iterations per run.
     runs
-        Independent runs, each in a folder of its own within the run folder if there are several.
+        Independent runs; several are written to subfolders of the run folder.
     test_episodes
-        Episodes that test the policy after each iteration.
+        Test episodes after each iteration.
     seed
-        The same seed gives the same result.
+        Random seed; the same seed gives the same result.
     jobs
-        Processes for several runs, threads for a single one of SMRF-RPI; -1 = all cores. The result does not
-        depend on it.
+        Processes for several runs, or threads for a single run of SMRF-RPI; -1 = all cores. The result does
+        not depend on it.
     out
         Run folder.
     smrf_rpi
@@ -85,7 +85,7 @@ class LearnOptions:
 
 
 def learn(options: LearnOptions) -> int:
-    """Learn as the options say; the exit code is 0."""
+    """Learn; the exit code is 0."""
     from rich.console import Console
 
     config = _config(options)
@@ -99,7 +99,7 @@ def learn(options: LearnOptions) -> int:
         several = f"{options.runs} runs of " if options.runs > 1 else ""
         plural = "s" if options.iterations > 1 else ""
         note(f"learning {options.task} in {out}: {several}{options.iterations} iteration{plural}", console)
-        # Every run has a row more than iterations: the one measured before learning.
+        # Every run has one more row than iterations: the test before learning.
         rows = options.runs * (options.iterations + 1)
         done = sum(iterations_of(folder) + 1 for folder in config.folders(out))
         show(Stage("iterations", done, rows))
@@ -120,7 +120,7 @@ def learn(options: LearnOptions) -> int:
 
 
 def _config(options: LearnOptions) -> RunConfig:
-    """Check the options and return what they ask for, before anything heavy is imported."""
+    """Check the options, before heavy imports."""
     from relforest.experiments.run_config import RunConfig
     from relforest.experiments.tasks import task_named
 
@@ -151,13 +151,13 @@ def _iteration_line(config: RunConfig, run: int, row: dict[str, Any], seconds: d
 
 
 def _result(config: RunConfig, folders: list[Path]) -> str:
-    """Tell what was learned: everything of a single run, means and the first run's trees of several."""
+    """Describe what was learned: all of a single run; of several, means and the trees of the first."""
     from relforest.experiments.run_metrics import metrics_of
     from relforest.reports import run_report
     from relforest.reports.run_report import averages_table, metrics_table
     from relforest.rl.checkpoint import METRIC_NAMES
 
-    # Trees and leaves are of SMRF-RPI only.
+    # Only SMRF-RPI has trees and leaves.
     has_trees = config.is_relational
     names = METRIC_NAMES if has_trees else METRIC_NAMES[:3]
     first = run_report(folders[0]) if has_trees else metrics_table(metrics_of(folders[0]), names)

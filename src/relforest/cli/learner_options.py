@@ -1,4 +1,4 @@
-"""The options of ``relforest learn`` that belong to one method, and the settings that they change."""
+"""The options of ``relforest learn`` for one method, and the settings that they change."""
 
 from __future__ import annotations
 
@@ -41,29 +41,29 @@ class RPIOptions:
     discount
         Discount factor per unit of time.
     no_bootstrapping
-        Ignore the value of the state in which a time limit ended an episode.
+        Treat the state at a time limit as terminal.
     rounds
-        Most rounds of learning trees and a policy per iteration.
+        Maximum number of rounds of learning trees and a policy per iteration.
     trees_per_label
-        Trees learned per round and action type for high Bellman errors, and as many for low ones.
+        Candidate trees per round and action type for high Bellman errors, and as many for low ones.
     alpha
-        Significance level of the test that decides whether a tree is kept.
+        Significance level of the test that a candidate tree must pass.
     max_scenes
-        Most scenes that a tree is learned from.
+        Maximum number of scenes that a tree is learned from.
     max_samples
-        Most transitions that a policy is learned from.
+        Maximum number of transitions that a policy is learned from.
     lspi_iterations
-        Most policies that LSPI evaluates each time.
+        Maximum number of iterations of LSPI.
     question_test
         Test that a question of a tree must pass.
     question_alpha
-        Significance level of that test.
+        Significance level of the question test.
     permutations
-        Shuffles of the permutation test.
+        Shuffles per permutation test.
     attempts
         Tries for each possible question.
     max_points
-        Possible questions with more instantiation sequences than this are left out.
+        Possible questions with more instantiation sequences are left out.
     """
 
     features: Annotated[FeatureMode | None, _default(_RPI.features, "{densities+bits,bits,probability}")] = (
@@ -85,7 +85,7 @@ class RPIOptions:
     max_points: Annotated[int | None, _default(_TREE.max_points)] = None
 
     def settings(self, base: RPISettings) -> RPISettings:
-        """Return settings with the options that were given.
+        """Return the settings with the given options.
 
         Raises
         ------
@@ -107,7 +107,7 @@ class RPIOptions:
         return settings
 
 
-# Permutations come before the level and the test, since their number is checked with these.
+# The number of permutations comes first, since the level and the test are checked against it.
 _PLACES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
         "features": ("", "features"),
@@ -152,7 +152,7 @@ class SarsaOptions:
     sarsa_lambda: Annotated[float | None, _default(_SARSA.trace_decay)] = None
 
     def settings(self) -> SarsaSettings:
-        """Return the settings of the benchmark with the options that were given.
+        """Return the settings of the benchmark with the given options.
 
         Raises
         ------
@@ -169,6 +169,6 @@ class SarsaOptions:
 
 
 def given(options: RPIOptions | SarsaOptions) -> dict[str, Any]:
-    """Return the options that were given, by name."""
+    """Return the given options by name."""
     values = {entry.name: getattr(options, entry.name) for entry in fields(options)}
     return {name: value for name, value in values.items() if value is not None and value is not False}

@@ -1,4 +1,4 @@
-"""What commands show on standard error while they work: notes, and the stage that long work is in."""
+"""What commands show on standard error while they work: notes and the stage of long work."""
 
 # Rich is imported when something is shown, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -24,21 +24,21 @@ Show = Callable[[Stage], None]
 
 
 def note(text: str, console: Console | None = None) -> None:
-    """Print a line of plain text to standard error, above whatever `console` shows at the time."""
+    """Print a line of plain text to standard error, above the live lines of `console`."""
     (console or _stderr()).print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 @contextmanager
 def working(text: str, console: Console | None = None) -> Iterator[Show]:
-    """Show the stage that the work of the ``with`` block is in.
+    """Show the stage of the work in the ``with`` block.
 
-    A terminal shows `text`, and below it the latest report of every process at work, with a bar and the time
-    since it changed. Elsewhere, a report is printed as a line every ten seconds.
+    A terminal shows `text` and below it the latest report of every process, with a bar and the time in that
+    stage. Otherwise, a report is printed as a line every ten seconds.
 
     Yields
     ------
     callable
-        Replaces `text` by a stage of its own.
+        Replaces `text` by a stage.
     """
     console = console or _stderr()
     if not console.is_terminal or console.is_dumb_terminal:
@@ -63,7 +63,7 @@ def _stderr() -> Console:
 
 @final
 class _Lines:
-    """A line now and then."""
+    """Prints a report every ten seconds."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -80,12 +80,12 @@ class _Lines:
 
 @final
 class _Board:
-    """The latest stage of every process; reports only leave it here, and the terminal looks in time."""
+    """The latest stage of every process; reports only store it, and the terminal redraws at its own rate."""
 
     def __init__(self, head: Stage) -> None:
         from rich.spinner import Spinner
 
-        # In ASCII, for any encoding.
+        # ASCII, so that every encoding has it.
         self._spinner = Spinner("line")
         self._stages: dict[int, tuple[Stage, float]] = {}
         self._head, self._begin = head, monotonic()

@@ -1,7 +1,7 @@
-"""The right to write into a folder: it must be empty, or hold an earlier part of exactly the same work.
+"""Permission to write into a folder: it must be empty or contain an earlier part of the same work.
 
-Runs and studies store what their results depend on in one file, the first that they write. `claimed` compares
-it with what is asked for now, and holds the folder's lock meanwhile.
+The first file that a run or a study writes records what its results depend on. `claimed` compares that file
+with the present request and locks the folder.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _LEAST_ROOM: Final = 2**20
 
 @contextmanager
 def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]) -> Iterator[None]:
-    """Hold a folder for one piece of work; its identity is on disk when the ``with`` block begins.
+    """Lock a folder for one piece of work; its identity is on disk when the ``with`` block begins.
 
     Parameters
     ----------
@@ -39,14 +39,14 @@ def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]
     identity : Identity
         The work.
     is_finished : callable
-        Tells whether nothing is left to compute. Only then may the folder come from other versions of the
-        software, because what they computed need not go on as it began.
+        Returns whether everything has been computed. Only then may the folder come from other versions of the
+        software, which could compute the rest differently.
 
     Raises
     ------
     RunFolderError
-        If the folder is in use, is no folder of this kind, or belongs to other work, or if work is left but
-        nothing can be written. Nothing is changed then.
+        If the folder is in use, is of another kind, belongs to other work, or cannot be written to although
+        work is left. Nothing is changed then.
     """
     # Before the lock too, because taking it makes a file.
     _check_kind(folder, identity)
@@ -72,21 +72,21 @@ def versions() -> dict[str, str]:
 
 
 def checked_folder(out: str | os.PathLike[str]) -> Path:
-    """Return a folder that was asked for.
+    """Return the path of a folder to write to.
 
     Raises
     ------
     InputError
-        If its name is empty or holds a null character.
+        If it is empty or contains a null character.
     """
     name = os.fspath(out)
     if not name or "\0" in name:
-        raise InputError(f"the name of a folder must not be empty or hold a null character, got {name!r}")
+        raise InputError(f"the name of a folder must not be empty or contain a null character, got {name!r}")
     return Path(name)
 
 
 def _check_writable(folder: Path) -> None:
-    """Find out before the work, not after hours of it, that its results cannot be written."""
+    """Check before the work, not after hours, that its results can be written."""
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not there.is_dir():
         raise RunFolderError(f"cannot make the folder {folder}: {there} is not a folder; choose another name")
@@ -100,15 +100,15 @@ def _check_kind(folder: Path, identity: Identity) -> None:
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise RunFolderError(f"{folder} is no folder; choose another name")
+        raise RunFolderError(f"{folder} is not a folder; choose another name")
     if (folder / identity.file).exists():
         return
-    # The identity is the first file to be written, so without it only these can be traces of an interruption.
+    # The identity is written first, so an interruption before it leaves only these files.
     foreign = [path.name for path in folder.iterdir() if path.name != _LOCK and not is_temporary(path)]
     if foreign:
         raise RunFolderError(
-            f"{folder} is not empty and holds no {identity.file}, so it is not ours to write to "
-            f"(it holds {min(foreign)!r}); choose a new or empty folder"
+            f"{folder} contains {min(foreign)!r} but not {identity.file}, so it belongs to something else; "
+            "choose a new or empty folder"
         )
 
 
@@ -135,25 +135,25 @@ def _check_same(
     grows = _grows(identity, there)
     if grows:
         here[str(identity.growing)] = there[str(identity.growing)]
-    # What only one of them has, such as the settings of another method, goes with an entry that both have.
+    # Entries of only one of them, such as the settings of another method, follow from entries of both.
     both = [name for name in there if name in here]
     differing = differences({name: there[name] for name in both}, {name: here[name] for name in both})
     differing = differing or differences(there, here)
     if differing:
         raise RunFolderError(
-            f"{folder} holds other work: {'; '.join(differing)}; "
-            "choose another folder, or ask for what it holds"
+            f"{folder} was written with other options: {'; '.join(differing)}; "
+            "choose another folder, or use the same options"
         )
     if software and (grows or not is_finished()):
         raise RunFolderError(
-            f"{folder} was begun with other software: {'; '.join(software)}; the rest might not fit what it "
-            "holds, so start again in another folder, or go on with the same versions"
+            f"{folder} was started with other versions: {'; '.join(software)}; the rest might not match what "
+            "it contains, so start again in another folder, or install the same versions"
         )
 
 
 def _other_software(there: object, here: Mapping[str, str]) -> list[str]:
     if isinstance(there, Mapping):
-        # What an older version of this library did not write down yet cannot be compared.
+        # Versions that an older relforest did not record cannot be compared.
         here = {name: version for name, version in here.items() if name in there}
     return differences(there, here, "versions")
 

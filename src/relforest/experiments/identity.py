@@ -1,4 +1,4 @@
-"""What the content of a folder depends on, for comparing it with what is asked for."""
+"""What the content of a folder depends on, to compare it with the present request."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Identity:
     Parameters
     ----------
     file : str
-        Name of the file that holds it, such as ``"run.json"``.
+        Name of the file that stores it, such as ``"run.json"``.
     format : str
         The format that the file names, such as ``"relforest-run"``.
     content : mapping

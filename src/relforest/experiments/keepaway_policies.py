@@ -28,7 +28,7 @@ _WORLD: Final = "keepaway"
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamDecider:
-    """Every keeper asks its own Sarsa agent."""
+    """Every keeper has its own Sarsa agent."""
 
     team: Team
 
@@ -84,19 +84,21 @@ def learned_policy(folder: Path, keepers: int, takers: int) -> Decider:
     folder : path
         Of a single run.
     keepers, takers : int
-        How many will play. Sarsa knows the numbers it was learned with only, SMRF-RPI any.
+        How many will play. Sarsa plays only with the numbers it was learned with, SMRF-RPI with any.
 
     Raises
     ------
     InputError
-        If the folder holds no such run, or Sarsa was learned with other numbers of players.
+        If the folder does not contain such a run, or Sarsa was learned with other numbers of players.
     ModelFormatError
         If a file in it is damaged.
     """
     if (folder / CHECKPOINT).exists():
         team = trained_team(folder)
         if len(team) != keepers:
-            raise InputError(f"{folder} holds a team of {len(team)} keepers, not {keepers}: choose --keepers")
+            raise InputError(
+                f"{folder} contains a team of {len(team)} keepers, not {keepers}: choose --keepers"
+            )
         there, here = team[0].features, n_variables(keepers, takers)
         if isinstance(there, TileCoding) and there.n_variables != here:
             learned = takers + (there.n_variables - here) // 2
@@ -106,5 +108,7 @@ def learned_policy(folder: Path, keepers: int, takers: int) -> Decider:
         env = gymnasium.make(environment_id(_WORLD), disable_env_checker=True)
         return AgentDecider(SMRFRPI.load(folder, env).value_, keepers)
     if (folder / "run-00").is_dir():
-        raise InputError(f"{folder} holds several runs: give the folder of one, such as {folder / 'run-00'}")
-    raise InputError(f"{folder} holds no run of keepaway: give the folder of 'relforest learn keepaway'")
+        raise InputError(
+            f"{folder} contains several runs: give the folder of one, such as {folder / 'run-00'}"
+        )
+    raise InputError(f"{folder} is not a run of keepaway: give the folder of 'relforest learn keepaway'")

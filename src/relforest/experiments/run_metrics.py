@@ -1,4 +1,4 @@
-"""What a run folder says about its progress, whoever is working in it."""
+"""The progress of a run folder, read while a process may be working in it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from relforest.support.files import read_json
 
 
 def metrics_of(folder: Path) -> list[dict[str, Any]]:
-    """Return the metrics of a run so far, a row per iteration, the first before learning; none if not begun.
+    """Return the metrics of a run so far, a row per iteration, the first before learning.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def metrics_of(folder: Path) -> list[dict[str, Any]]:
 
 
 def checkpoint_of(folder: Path) -> Path:
-    """Return the file of a run that changes when an iteration counts: that of SMRF-RPI, or that of Sarsa."""
+    """Return the checkpoint of a run, which changes when an iteration is done: of SMRF-RPI or of Sarsa."""
     other = folder / sarsa_folder.CHECKPOINT
     return other if other.exists() else folder / CHECKPOINT
 
@@ -41,5 +41,5 @@ def iterations_of(folder: Path) -> int:
     try:
         return len(metrics_of(folder)) - 1
     except ModelFormatError:
-        # Whoever continues the run says what is wrong with it.
+        # Continuing the run reports what is wrong with it.
         return -1

@@ -1,8 +1,8 @@
-"""Runs a study: settings in parallel, the rows of each saved when it is done, then summary and figures.
+"""Runs a study: settings in parallel, saving the rows of each as soon as it is done, then the summary.
 
 A study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting),
 and, derived from them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the
-whole study: when only some settings are chosen, the others may be computed later in the same folder.
+whole study: settings that are not chosen may be computed later in the same folder.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def run_study(
     ----------
     study : Study
     out : path
-        Folder of the results. If it holds a part of the same study and seed, only the rest is computed.
+        Folder of the results. If it contains a part of the same study and seed, only the rest is computed.
     seed : int
         At least 0; the same seed gives the same rows, whatever `n_jobs`.
     n_jobs : int
@@ -63,8 +63,8 @@ def run_study(
         Compute and report only these settings: values by choice of the study, such as
         ``{"methods": ["covagg"]}``. Their rows are those of the whole study.
     on_progress : callable, optional
-        Called with a line of text whenever settings have been completed, and at the beginning for those that
-        cannot be computed here and are left out.
+        Called with a line of text when settings are done, and at the start for those that cannot be computed
+        here and are left out.
 
     Returns
     -------
@@ -93,9 +93,9 @@ def run_study(
     notes = _notes(obstacles.values())
     if not files:
         raise InputError(" ".join(notes))
-    tell = on_progress or _silent
+    announce = on_progress or _silent
     for line in notes:
-        tell(line)
+        announce(line)
     with claimed(folder, identity, is_finished=lambda: all(file.exists() for file in files.values())):
         tasks = [
             (study.compute, settings[index], Place(seed, index, folder), file)
@@ -106,7 +106,7 @@ def run_study(
             remove_temporary_files(folder / _SETTINGS)
         if study.compiles and n_jobs != 1 and len(tasks) > 1:
             _warm_up(study)
-        with watching(_announcer(study.name, {file: settings[i] for i, file in files.items()}, tell)):
+        with watching(_announcer(study.name, {file: settings[i] for i, file in files.items()}, announce)):
             run_tasks(_run_setting, tasks, n_jobs=n_jobs, prefer="processes")
         table = Table.of(
             {"id": f"{study.name}/{index}/{seed}", **row}
@@ -117,7 +117,7 @@ def run_study(
 
 
 def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -> Findings:
-    """Write everything that is derived from the rows."""
+    """Write what is derived from the rows."""
     report("summarizing")
     write_text(folder / "rows.csv", table.to_csv())
     findings = study.summarize(table)
@@ -148,14 +148,14 @@ def _read_rows(file: Path, setting: Mapping[str, Any]) -> list[Row]:
     try:
         document = read_json(file, format=_ROWS_FORMAT, version=_ROWS_VERSION)
     except ModelFormatError as error:
-        raise RunFolderError(f"{error}; delete the file, and it is computed again") from error
+        raise RunFolderError(f"{error}; delete the file to compute it again") from error
     rows = document.get("rows")
     if (
         document.get("setting") != setting
         or not isinstance(rows, list)
         or not all(isinstance(row, dict) and all(map(_is_cell, row.values())) for row in rows)
     ):
-        raise RunFolderError(f"{file} is damaged or of another setting; delete it, and it is computed again")
+        raise RunFolderError(f"{file} is damaged or from another setting; delete it to compute it again")
     return rows
 
 
@@ -177,13 +177,13 @@ def _notes(obstacles: Collection[Obstacle]) -> list[str]:
 
 
 def _silent(_line: str) -> None:
-    """Tell nobody."""
+    """Drop a line."""
 
 
 def _announcer(
-    name: str, settings: Mapping[Path, Setting], tell: Callable[[str], None]
+    name: str, settings: Mapping[Path, Setting], on_progress: Callable[[str], None]
 ) -> Callable[[], None]:
-    """Return a function that tells of the settings, by file, completed since it was called last."""
+    """Return a function that announces the settings, by file, completed since its last call."""
     pending = [file for file in settings if not file.exists()]
 
     def announce() -> None:
@@ -191,6 +191,6 @@ def _announcer(
             if file.exists():
                 pending.remove(file)
                 done = len(settings) - len(pending)
-                tell(f"{name}: {done} of {len(settings)} done ({settings[file]})")
+                on_progress(f"{name}: {done} of {len(settings)} done ({settings[file]})")
 
     return announce

@@ -1,9 +1,8 @@
-"""The run store of ``relforest learn``: one folder per run, resumed after any interruption.
+"""The run folders of ``relforest learn``, resumed after any interruption.
 
 A run folder holds ``run.json`` (configuration, versions, seed; written first), what
 `relforest.rl.checkpoint` or, for Sarsa, `relforest.experiments.sarsa_folder` describes, and two pictures.
-With several runs there is one such folder for each, and ``run.json`` and the pictures stand in the folder
-around them.
+With several runs, each has such a folder, and ``run.json`` and the pictures are in the folder around them.
 """
 
 from __future__ import annotations
@@ -36,22 +35,21 @@ def learn_runs(
     n_jobs: int = 1,
     on_iteration: OnIteration | None = None,
 ) -> list[Path]:
-    """Learn, or go on with learning, until every run has had all its iterations; then draw the pictures.
+    """Learn, or resume, until every run has all its iterations; then draw the pictures.
 
     Parameters
     ----------
     config : RunConfig
     out : path
-        Where the files go. If it holds runs of the same configuration, they are taken up where they stopped,
-        with the same result as if they never had; finished ones are left as they are, and more iterations
-        extend them.
+        Where the files go. Runs of the same configuration that it contains are resumed, with the same result
+        as without an interruption; finished ones are left alone, and more iterations extend them.
     n_jobs : int
-        Runs at the same time, in processes; of a single run, candidate trees at the same time. The result
-        does not depend on it. -1 = all cores.
+        Runs learned at the same time, in processes, or candidate trees of a single run, in threads; -1 = all
+        cores. The result does not depend on it.
     on_iteration : callable, optional
         Called as ``on_iteration(run, row, seconds)`` after each new iteration of each run: `row` is a line of
-        ``metrics.jsonl``, `seconds` says what took how long. Iterations of other processes are reported with
-        a delay and without seconds.
+        ``metrics.jsonl``, `seconds` the time of each step. Iterations of other processes arrive with a delay
+        and without seconds.
 
     Returns
     -------
@@ -63,7 +61,7 @@ def learn_runs(
     InputError
         If `n_jobs` is neither -1 nor at least 1, or `out` cannot be the name of a folder.
     RunFolderError
-        If a folder cannot be written to, is in use by a living process, is not empty but no run folder,
+        If a folder cannot be written to, is in use, is neither empty nor a run folder,
         belongs to another configuration, or is damaged.
     """
     checked_jobs(n_jobs)
@@ -71,7 +69,7 @@ def learn_runs(
     folders = config.folders(folder)
     if config.runs == 1:
         learn_run(config, 0, folder, n_jobs=n_jobs, on_iteration=on_iteration)
-        # Learning holds the lock itself, and drawing must not meet another process.
+        # Learning locks the folder itself; drawing must not meet another process either.
         with claimed(folder, config.identity(), is_finished=lambda: _is_finished(config, folders)):
             draw_runs(config, folder)
         return folders
@@ -89,16 +87,16 @@ def learn_run(
     n_jobs: int = 1,
     on_iteration: OnIteration | None = None,
 ) -> None:
-    """Learn one of the runs of a configuration in a folder of its own; no picture is drawn.
+    """Learn one of the runs of a configuration in its own folder, without drawing pictures.
 
     Parameters and errors are those of `learn_runs`, `run` is its number.
     """
     report = None
     if on_iteration is not None:
-        tell = on_iteration
+        announce = on_iteration
 
         def report(row: dict[str, Any], seconds: dict[str, float]) -> None:
-            tell(run, row, seconds)
+            announce(run, row, seconds)
 
     identity = config.identity(run)
     with claimed(folder, identity, is_finished=lambda: _is_finished(config, [folder])):
@@ -156,18 +154,18 @@ def _is_finished(config: RunConfig, folders: list[Path]) -> bool:
 
 
 def _announcer(folders: dict[int, Path], on_iteration: OnIteration | None) -> Callable[[], None]:
-    """Return a function that tells of the iterations completed since it was called last."""
+    """Return a function that announces the iterations completed since its last call."""
     if on_iteration is None:
         return lambda: None
-    tell = on_iteration
-    told = {run: iterations_of(folder) for run, folder in folders.items()}
+    on_new = on_iteration
+    known = {run: iterations_of(folder) for run, folder in folders.items()}
 
     def announce() -> None:
         for run, folder in folders.items():
-            if iterations_of(folder) > told[run]:
-                new = metrics_of(folder)[told[run] + 1 :]
-                told[run] += len(new)
+            if iterations_of(folder) > known[run]:
+                new = metrics_of(folder)[known[run] + 1 :]
+                known[run] += len(new)
                 for row in new:
-                    tell(run, row, {})
+                    on_new(run, row, {})
 
     return announce

@@ -1,8 +1,8 @@
 """The folder of a run of Sarsa: its metrics, and its agents as they were after the last iteration.
 
-``sarsa-run.json`` holds the metrics and is the moment an iteration counts. ``model-NNNN/`` holds the agents
-after iteration NNNN; it is written before, and the one of the iteration before is removed after.
-``metrics.jsonl`` is derived.
+``sarsa-run.json`` holds the metrics; writing it completes an iteration. ``model-NNNN/``, the agents after
+iteration NNNN, is written before it, and the previous model is removed after it. ``metrics.jsonl`` is
+derived.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def read_metrics(folder: Path) -> list[Row]:
 
 
 def read_agents(folder: Path, iteration: int, random_state: RandomState = None) -> Team:
-    """Return the agents after an iteration, ready to go on learning.
+    """Return the agents after an iteration, ready to continue learning.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def read_agents(folder: Path, iteration: int, random_state: RandomState = None) 
 
 
 def trained_team(folder: Path) -> Team:
-    """Return the agents of a run as they are now; they do not learn any more.
+    """Return the present agents of a run, without learning.
 
     Raises
     ------
@@ -64,12 +64,12 @@ def trained_team(folder: Path) -> Team:
     """
     metrics = read_metrics(folder)
     if not metrics:
-        raise ModelFormatError(f"{folder} holds no {CHECKPOINT}: no run of Sarsa has been written there")
+        raise ModelFormatError(f"{folder} does not contain {CHECKPOINT}: it is not a run of Sarsa")
     return read_team(_model(folder, len(metrics) - 1), learn=False)
 
 
 def write_iteration(folder: Path, team: Team, metrics: list[Row]) -> None:
-    """Write the agents and the metrics after an iteration, so that an interruption loses neither."""
+    """Write the agents and the metrics after an iteration; an interruption loses neither."""
     iteration = len(metrics) - 1
     write_team(_model(folder, iteration), team)
     write_json(folder / CHECKPOINT, {"format": FORMAT, "version": VERSION, "metrics": metrics})
@@ -77,7 +77,7 @@ def write_iteration(folder: Path, team: Team, metrics: list[Row]) -> None:
 
 
 def tidy(folder: Path, metrics: list[Row]) -> None:
-    """Restore what is derived, and remove what an interruption has left behind."""
+    """Restore derived files, and remove what an interruption left behind."""
     if metrics:
         lines = [json.dumps(row, allow_nan=False) for row in metrics]
         write_text(folder / METRICS, "\n".join(lines) + "\n")

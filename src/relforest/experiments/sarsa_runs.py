@@ -1,4 +1,4 @@
-"""Runs of the benchmark's own learner, Sarsa with tile coding, beside those of SMRF-RPI."""
+"""Runs of the benchmark's own learner, Sarsa with tile coding."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def learn_sarsa_run(
     folder: Path,
     report: Callable[[dict[str, Any], dict[str, float]], None] | None = None,
 ) -> None:
-    """Learn one of the runs of a configuration, or go on with it, in a folder that belongs to it.
+    """Learn one of the runs of a configuration, or resume it, in its own folder.
 
-    Rewards are durations of episodes in cycles. Games and agents of an iteration have random streams named by
-    its number, so a run that was interrupted goes on as if it never had been.
+    Rewards are durations of episodes in cycles. Random streams of games and agents are named by the number of
+    the iteration, so an interrupted run continues without a difference.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def learn_sarsa_run(
     Raises
     ------
     RunFolderError
-        If the folder is in use by a living process.
+        If the folder is in use.
     ModelFormatError
         If a file in it is damaged.
     """

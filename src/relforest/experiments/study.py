@@ -1,4 +1,4 @@
-"""What a study is: settings, a function from a setting to tidy rows, functions from the table to results."""
+"""What a study is: settings, a function from a setting to tidy rows, and functions from rows to results."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from relforest.support.rng import seed_sequence, stream
 
 
 class Setting(Protocol):
-    """One part of a study that is computed at once: a frozen dataclass of plain JSON values."""
+    """The part of a study that one task computes: a frozen dataclass of plain JSON values."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
@@ -33,7 +33,7 @@ S = TypeVar("S", bound=Setting)
 @final
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where and with which seed a setting is computed.
+    """Where a setting is computed, and with which seed.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ class Obstacle:
     Parameters
     ----------
     missing : str
-        What it needs, such as the title of a data set.
+        What is missing, such as the title of a data set.
     reason : str
-        Why that is missing, and what to do about it; equal for all that is missing for the same reason.
+        Why it is missing and what to do about it; the same text for everything missing for the same reason.
     """
 
     missing: str
@@ -75,33 +75,33 @@ class Obstacle:
 @final
 @dataclass(frozen=True, slots=True)
 class Study(Generic[S]):
-    """A question put to the library, and how it is answered.
+    """A question about the library, and how it is answered.
 
     Parameters
     ----------
     name : str
-        As the command line has it.
+        As on the command line.
     question : str
         One sentence.
     settings : tuple
         The whole study.
     smoke : tuple
-        A small version of it, done in seconds, that goes through the same code.
+        A small version that runs the same code in seconds.
     compute : callable
         Turns a setting into rows. It must be a function of a module, draw its random numbers from
-        `Place.stream` or `Place.seed`, and go on where it was interrupted if it takes long.
+        `Place.stream` or `Place.seed`, and resume after an interruption if it takes long.
     summarize : callable
         Turns the table of all rows into findings.
     figures : callable
         Turns the table into figures by file name.
     compiles : bool
-        Whether settings call kernels in the process that runs them. These are then compiled before several
+        Whether settings call kernels in their own process. The kernels are then compiled before several
         processes start, by running the first small setting.
     choices : mapping of str to callable
-        What settings may be chosen by: for each option of the command line, such as ``"methods"``, the value
-        that a setting has.
+        How settings are chosen: for each option of the command line, such as ``"methods"``, a function that
+        returns the value of a setting.
     obstacles : callable, optional
-        Returns, of the settings it is given, those that cannot be computed here, each with what it lacks.
+        Returns those of the given settings that cannot be computed here, each with the reason.
     """
 
     name: str
@@ -117,7 +117,7 @@ class Study(Generic[S]):
 
 
 def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, Sequence[str]]) -> list[int]:
-    """Return the numbers of the settings that have one of the wanted values in every choice named.
+    """Return the numbers of the settings that have one of the wanted values for every choice.
 
     Parameters
     ----------
@@ -125,18 +125,18 @@ def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, S
     settings : sequence
         Those to choose from.
     only : mapping of str to sequence of str
-        Wanted values by choice of the study; without values, a choice leaves all settings.
+        Wanted values for each choice; an empty sequence keeps all settings.
 
     Raises
     ------
     InputError
-        If the study has no such choice, no setting has a value, or none has all that is wanted.
+        If the study does not offer a choice or a value, or no setting matches all of them.
     """
     wanted = {name: values for name, values in only.items() if values}
     for name, values in wanted.items():
         if name not in study.choices:
             instead = f", only of {' and '.join(study.choices)}" if study.choices else ""
-            raise InputError(f"the study {study.name} has no choice of {name}{instead}: leave it out")
+            raise InputError(f"the study {study.name} does not offer a choice of {name}{instead}: omit it")
         known = tuple(dict.fromkeys(study.choices[name](setting) for setting in settings))
         for value in values:
             one_of(f"{name} of the study {study.name}", value, known)
@@ -147,5 +147,5 @@ def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, S
     ]
     if not chosen:
         described = " and ".join(f"{name} {', '.join(values)}" for name, values in wanted.items())
-        raise InputError(f"the study {study.name} has no setting with {described}: choose others")
+        raise InputError(f"no setting of the study {study.name} has {described}: choose others")
     return chosen

@@ -1,4 +1,4 @@
-"""Tidy rows, one observation each: what a study saves, and all that its analysis sees."""
+"""Tidy rows, one observation each: what a study saves and its analysis reads."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Table:
     Raises
     ------
     InputError
-        If there is no row, or one has other columns than the first.
+        If the table is empty, or a row has other columns than the first.
 
     Examples
     --------
@@ -70,10 +70,10 @@ class Table:
         Raises
         ------
         InputError
-            If there is no such column.
+            If the column does not exist.
         """
         if column not in self.columns:
-            raise InputError(f"there is no column {column!r}; the table has {', '.join(self.columns)}")
+            raise InputError(f"the table does not have a column {column!r}, only {', '.join(self.columns)}")
         return [row[column] for row in self.rows]
 
     def numbers(self, column: str) -> NDArray[np.float64]:
@@ -82,12 +82,12 @@ class Table:
         Raises
         ------
         InputError
-            If there is no such column, or a cell is text.
+            If the column does not exist, or a cell is text.
         """
         cells = self.cells(column)
         for cell in cells:
             if isinstance(cell, str):
-                raise InputError(f"column {column!r} holds text ({cell!r:.40}), not numbers")
+                raise InputError(f"column {column!r} contains text ({cell!r:.40}), not numbers")
         return np.array([np.nan if cell is None else cell for cell in cells], dtype=np.float64)
 
     def distinct(self, column: str) -> list[Cell]:
@@ -100,7 +100,7 @@ class Table:
         Raises
         ------
         InputError
-            If no row is left, or there is no such column.
+            If no row is left, or a column does not exist.
         """
         kept = [
             i for i in range(len(self)) if all(self.cells(name)[i] == value for name, value in wanted.items())

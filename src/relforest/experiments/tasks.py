@@ -1,4 +1,4 @@
-"""What an agent can be told to learn, by the name that the command line has, and how."""
+"""What an agent can learn, by its name on the command line, and how."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Task:
     Parameters
     ----------
     name : str
-        As the command line has it.
+        As on the command line.
     world : str
         A key of `relforest.worlds.ENVIRONMENT_IDS`.
     options : mapping
@@ -61,9 +61,9 @@ class Task:
     settings : RPISettings
         Options of SMRF-RPI.
     optimum : float, optional
-        Mean reward per episode of an optimal policy, where it is known.
+        Mean reward per episode of an optimal policy, if known.
     pictures : mapping
-        Each method that the task can be learned with -> a picture of what was learned, if there is one.
+        Each method that can learn the task -> its picture of what was learned, or None.
     """
 
     name: str
@@ -81,12 +81,12 @@ class Task:
         InputError
             If the discount is not between 0 and 1.
         """
-        # Heavy, and a task is looked up before it is made.
+        # Importing these takes long, and most uses of a task do not need them.
         import gymnasium  # noqa: PLC0415
 
         from relforest.worlds import environment_id  # noqa: PLC0415
 
-        # The checker looks at every step of every episode; `relforest.testing` does that once.
+        # The checker would check every step of every episode; `relforest.testing` does that once.
         env: gymnasium.Env[Any, Any] = gymnasium.make(
             environment_id(self.world), disable_env_checker=True, **self.options
         )
@@ -142,6 +142,6 @@ def task_named(name: str) -> Task:
     Raises
     ------
     InputError
-        If there is none of this name; the message lists those that exist.
+        If the name is unknown; the message lists the known ones.
     """
     return TASKS[one_of("task", name, tuple(TASKS))]

@@ -46,7 +46,7 @@ def world_of(env: Environment) -> World:
     world = env.unwrapped
     if not isinstance(world, World):
         raise InputError(
-            f"{type(world).__name__} is no world that SMRF-RPI can learn: it needs schema, action_types, "
+            f"SMRF-RPI cannot learn {type(world).__name__}: a world needs schema, action_types, "
             "discount and decision(), see relforest.smdp.World"
         )
     return world
@@ -66,10 +66,9 @@ def rollout(
     episodes : int
         How many, at least 1.
     seed : numpy.random.SeedSequence
-        Episode ``i`` uses streams of its own, one for the world and one for the policy, both named by ``i``.
+        Episode ``i`` uses two streams named by ``i``, one for the world and one for the policy.
     first : int
-        Number of the first episode: 500 episodes at once, or 250 and then 250 with ``first=250``, are the
-        same.
+        Number of the first episode: 250 episodes and then 250 with ``first=250`` are the same as 500 at once.
 
     Raises
     ------
@@ -85,7 +84,7 @@ def rollout(
     first = at_least("first", first, 0)
     for episode in range(first, first + at_least("episodes", episodes, 1)):
         report("episodes", episode - first, episodes)
-        # 32 bits, because worlds written in other languages may take no more.
+        # Worlds written in other languages may accept only 32 bits.
         env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
         _play(env, world, policy, generator(stream(seed, episode, _CHOICES)), recorder)
     return recorder.finish()

@@ -43,7 +43,7 @@ class Candidate:
     columns : (m, k) float64
         Its features of all state-action pairs of the type.
     fit : Fit, optional
-        How well LSPI fits with the tree; None where candidates are not tested.
+        How well LSPI fits with the tree; None if candidates are not tested.
     """
 
     growth: Growth
@@ -94,9 +94,9 @@ def improve(
     samples : Samples
     settings : RPISettings
     seed : numpy.random.SeedSequence
-        Every candidate has a stream of its own, named by round, action type and attempt.
+        Every candidate has its own stream, named by round, action type and attempt.
     n_jobs : int
-        How many candidates are learned at the same time, in threads; the result does not depend on it.
+        Candidates learned at the same time, in threads; the result does not depend on it.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""SMRF-RPI: an agent that gathers experience and learns trees and a policy from it, again and again.
+"""SMRF-RPI: an agent that repeatedly gathers experience and learns trees and a policy from it.
 
 This is the experience loop of Palmer (2015), Algorithm 6.1; `relforest.rl.rounds` is the loop inside it.
 """
@@ -64,13 +64,13 @@ class SMRFRPI:
     settings : RPISettings, optional
         Default: those of the source.
     random_state : int, SeedSequence, Generator or None
-        One seed for the whole run. None takes fresh entropy, or the seed of the run that `checkpoint` holds.
+        Seed of the whole run. None takes fresh entropy, or the seed of the run in `checkpoint`.
     n_jobs : int
-        How many candidate trees are learned at the same time; the result does not depend on it. -1 = all
-        cores.
+        Candidate trees learned at the same time, in threads; -1 = all cores. The result does not depend on
+        it.
     checkpoint : path, optional
-        A run folder. Every iteration is written to it, and a run that was interrupted there is taken up where
-        it stopped, with the same result.
+        A run folder. Every iteration is written to it, and an interrupted run is resumed from it, with the
+        same result.
     verbose : bool
         Print the stage of the work to standard error, at most one line a second. `relforest.listening` passes
         the same reports to a function.
@@ -78,7 +78,7 @@ class SMRFRPI:
     Raises
     ------
     InputError
-        If the environment is no world, or an option is out of its range.
+        If the environment is not a world, or an option is out of its range.
 
     References
     ----------
@@ -142,22 +142,21 @@ class SMRFRPI:
         test_episodes: int | None = None,
         on_iteration: OnIteration | None = None,
     ) -> SMRFRPI:
-        """Learn until the agent has had a number of iterations.
+        """Learn until the agent has completed a number of iterations.
 
         Parameters
         ----------
         iterations : int
-            Iterations of the agent altogether, at least 1: ``learn(2, 500)`` and then ``learn(5, 500)`` is
-            the same as ``learn(5, 500)``, and a call asking for no more than there already are changes
-            nothing.
+            Total number of iterations, at least 1: ``learn(2, 500)`` and then ``learn(5, 500)`` is the same
+            as ``learn(5, 500)``, and a call that asks for no more than the agent already had changes nothing.
         episodes : int
             Episodes of training experience per iteration: uniformly random actions in the first iteration,
             epsilon-greedy ones later.
         test_episodes : int, optional
             Greedy episodes after each iteration, for `metrics_` only. Default: as many as `episodes`.
         on_iteration : callable, optional
-            Called as ``on_iteration(row, seconds)`` after each iteration, the 0th included, once it is safe
-            on disk.
+            Called as ``on_iteration(row, seconds)`` after each iteration, including the 0th, once it is on
+            disk.
 
         Returns
         -------
@@ -169,8 +168,7 @@ class SMRFRPI:
         InputError
             If a count is less than 1.
         RunFolderError
-            If the run folder is in use by a living process, holds a run of another configuration, or is
-            damaged.
+            If the run folder is in use, contains a run of another configuration, or is damaged.
         ModelFormatError
             If a file in the run folder is damaged.
         """
@@ -190,7 +188,7 @@ class SMRFRPI:
         return self
 
     def evaluate(self, env: Environment, episodes: int = 100, seed: RandomState = None) -> Evaluation:
-        """Play greedy episodes, possibly with other numbers of objects than in training.
+        """Play greedy episodes; the numbers of objects may differ from those in training.
 
         Parameters
         ----------
@@ -212,22 +210,22 @@ class SMRFRPI:
         return Evaluation(played.episode_rewards, played.episode_durations)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything learned to a run folder, which `load` reads and learning can go on from.
+        """Write everything learned to a run folder, for `load` or for continuing in it.
 
         Parameters
         ----------
         path : path
-            A new or empty folder, or one that holds an earlier stage of this run.
+            A new or empty folder, or one with an earlier stage of this run.
 
         Raises
         ------
         InputError
             If nothing has been learned yet.
         RunFolderError
-            If the folder is in use, or holds another run, a later stage of this one or foreign files.
+            If the folder is in use, or contains another run, a later stage of this one or foreign files.
         """
         if self._configuration is None:
-            raise InputError("there is nothing to save yet: call learn first")
+            raise InputError("nothing has been learned yet: call learn first")
         target = RunFolder(path)
         # Before the lock too, because taking it makes a file.
         _ = target.holds_run
@@ -237,7 +235,7 @@ class SMRFRPI:
                 check_configuration(configuration, self._configuration, target.path)
                 if found.iteration > self._progress.iteration:
                     raise RunFolderError(
-                        f"{path} holds this run at iteration {found.iteration}, later than the agent's "
+                        f"{path} contains this run at iteration {found.iteration}, later than the agent's "
                         f"{self._progress.iteration}; choose another folder"
                     )
             target.write(self._progress, self._configuration)
@@ -245,7 +243,7 @@ class SMRFRPI:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], env: Environment) -> SMRFRPI:
-        """Read an agent from a run folder, which may belong to a running or an interrupted run.
+        """Read an agent from a run folder, even of a running or an interrupted run.
 
         Parameters
         ----------
@@ -257,8 +255,8 @@ class SMRFRPI:
         Returns
         -------
         SMRFRPI
-            With the settings and the seed of the run. It learns on in memory; to continue in the folder
-            itself, make an agent with ``checkpoint=path`` instead.
+            With the settings and the seed of the run. It continues in memory; to continue in the folder, make
+            an agent with ``checkpoint=path`` instead.
 
         Raises
         ------
@@ -277,7 +275,7 @@ class SMRFRPI:
         return agent
 
     def _resume(self, folder: RunFolder, episodes: int, test_episodes: int) -> None:
-        """Take over what the run folder holds, after checking that it is the same run."""
+        """Load the run folder, after checking that it contains the same run."""
         if not folder.holds_run:
             self._configuration = describe_run(self.env, self.settings, self._seed, (episodes, test_episodes))
             return
@@ -345,7 +343,7 @@ class SMRFRPI:
         return replace(before, value=value, tree_names=names, batches=batches)
 
     def _measure(self, progress: Progress, number: int, test_episodes: int) -> Progress:
-        """Append the row of an iteration, with test episodes of its own."""
+        """Append the row of an iteration, measured by test episodes."""
         seed = stream(self._seed, number, _TESTING)
         with part("testing"):
             tested = rollout(self.env, GreedyPolicy(progress.value), test_episodes, seed)

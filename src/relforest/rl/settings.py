@@ -30,7 +30,7 @@ class LSPISettings:
     epsilon : float
         Stop when the weights change by less than this (Euclidean norm).
     max_iterations : int
-        Stop after so many policies have been evaluated.
+        Most policies that are evaluated.
     max_condition : float
         Largest condition number of the matrix A of LSTDQ.
 
@@ -60,24 +60,24 @@ class RPISettings:
     features : {"densities+bits", "bits", "probability"}
         What a tree contributes to the features (section 6.4).
     epsilon : float
-        Probability of a uniformly random action in training experience after the first iteration, 0 to 1. The
-        source gives no value.
+        Probability of a uniformly random action in training after the first iteration, 0 to 1. The source
+        does not give a value.
     trees_per_label : int
-        Candidate trees per action type and round learned on the labels, and as many on the negated labels.
+        Candidate trees per action type and round for the labels, and as many for the negated labels.
     max_scenes : int
-        A candidate tree sees at most so many scenes.
+        Most scenes that a candidate tree is learned from.
     max_samples : int
-        LSPI sees at most so many transitions.
+        Most transitions that LSPI learns from.
     alpha : float
         Significance level of the test that a tree must pass, divided by the number of candidates
         (Bonferroni), above 0 and below 1.
     max_rounds : int
-        Most rounds of representation and policy learning per iteration. The source has no limit.
+        Most rounds of representation and policy learning per iteration; unlimited in the source.
     bootstrap_on_truncation : bool
-        Whether the value of a state counts in which a limit of time cut the episode. The source does not say.
+        Whether the value of the state in which a time limit ended an episode counts. The source does not say.
     wrapper : bool
-        Whether candidates are tested by learning a policy with them. False keeps, in every round, the tree
-        whose own learning was most significant, to show what the test is good for (section 7.3.2).
+        Whether candidates are tested by learning a policy with them. False keeps the tree with the most
+        significant question in every round, to show what the test contributes (section 7.3.2).
     lspi : LSPISettings
     tree : TreeSettings
 

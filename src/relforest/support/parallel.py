@@ -1,4 +1,4 @@
-"""Running many independent tasks on several cores, with results that never depend on how many."""
+"""Running independent tasks on several cores, with results that do not depend on the number of cores."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def run_tasks(
 ) -> list[Result]:
     """Call ``function(*task)`` for every task and return the results in the order of the tasks.
 
-    Every task runs with a single BLAS thread, whatever ``n_jobs``, so that sums are taken in the same
-    order. A task must draw its random numbers from a stream of its own (`relforest.support.rng.stream`).
+    Every task runs with a single BLAS thread, whatever ``n_jobs``, so sums are taken in the same order. A
+    task must draw its random numbers from its own stream (`relforest.support.rng.stream`).
 
     Parameters
     ----------
     function : callable
-        Of a module, for processes.
+        For processes, a function of a module.
     tasks : sequence of tuple
         The positional arguments of each call.
     n_jobs : int
@@ -55,7 +55,7 @@ def run_tasks(
 
     Notes
     -----
-    What the tasks report (`relforest.support.progress`) reaches whoever listens here.
+    Reports of the tasks (`relforest.support.progress`) reach the listener of the caller.
     """
     n_jobs = checked_jobs(n_jobs)
     with one_blas_thread():

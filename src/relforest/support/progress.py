@@ -1,8 +1,7 @@
-"""What long work says while it runs: the stage it is in and how much of that is done.
+"""Progress of long work: the stage that it is in, and how much of that stage is done.
 
-Code that may take seconds calls `report`; it neither knows nor cares whether anyone listens. Whoever shows
-progress (the command line, an estimator with ``verbose=True``) hears the reports of a ``with`` block by
-`listening`. Reports never influence results.
+Code that may take seconds calls `report`, with or without a listener. The command line and estimators with
+``verbose=True`` receive the reports of a ``with`` block by `listening`. Reports never influence results.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ class Stage:
     name : str
         What is being done, such as ``growing trees``.
     done, total : int, optional
-        Steps completed, and how many there are; None where that is unknown.
+        Steps completed, and their total; None if unknown.
     within : tuple of str
         The parts of the work that the stage belongs to, the largest first, such as ``("run 0", "round 2")``.
     source : int
@@ -56,13 +55,13 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("relforest progress listener
 
 @contextmanager
 def listening(listener: Listener) -> Iterator[None]:
-    """Pass every report made during the ``with`` block to `listener`, and to no one else.
+    """Pass every report made during the ``with`` block to `listener`, and not to an outer one.
 
     Parameters
     ----------
     listener : callable
-        Called with a `Stage`, often and from several threads at once where work is done in threads. It should
-        return quickly and must not raise.
+        Called with a `Stage`, often, and from several threads if the work uses threads. It should return
+        quickly and must not raise.
 
     Examples
     --------
@@ -78,26 +77,26 @@ def listening(listener: Listener) -> Iterator[None]:
 
 
 def is_heard() -> bool:
-    """Whether anyone listens, for code to which a report is costly."""
+    """Return whether reports are received, for code with reports that are costly to make."""
     return _LISTENER.get() is not None
 
 
 def report(name: str, done: int | None = None, total: int | None = None) -> None:
-    """Say which stage long work is in; see `Stage`."""
+    """Report the stage of long work; see `Stage`."""
     listener = _LISTENER.get()
     if listener is not None:
         listener(Stage(name, done, total))
 
 
 def report_stage(stage: Stage) -> None:
-    """Pass on a report that was made elsewhere, such as in another process."""
+    """Pass on a report from elsewhere, such as another process."""
     listener = _LISTENER.get()
     if listener is not None:
         listener(stage)
 
 
 def part(name: str) -> AbstractContextManager[None]:
-    """Say during a ``with`` block of which part of the work the reports are."""
+    """Mark the reports of a ``with`` block as those of a part of the work."""
     listener = _LISTENER.get()
     if listener is None:
         return nullcontext()

@@ -1,7 +1,7 @@
-"""Processes that end with the one that started them, and a pool of them for independent tasks.
+"""Processes that end with their parent, and a pool of them for independent tasks.
 
-Whatever ends a process, even a signal that it cannot catch, its children notice within `PATIENCE`: a thread
-that begins before anything else is imported asks every few tenths of a second who their parent is.
+Before a child imports anything else, it starts a thread that checks several times a second whether its parent
+is still there. So it ends soon after the parent, even if that was killed by SIGKILL.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from relforest.support.errors import RelforestError
 from relforest.support.progress import Stage, listening, report, report_stage
 
 PATIENCE: Final = 0.2
-"""Seconds between two looks at the parent."""
+"""Seconds between two checks of the parent."""
 
 _FOLLOW: Final = f"""
 import os, sys, threading, time
@@ -53,16 +53,16 @@ def start(
     arguments: Sequence[str] = (),
     **options: Any,  # noqa: ANN401 - as `subprocess.Popen` takes them
 ) -> subprocess.Popen[bytes]:
-    """Start this interpreter on a piece of code, in a process that does not outlive this one.
+    """Start Python in a child process that ends with this one.
 
     Parameters
     ----------
     code : str
-        May use the modules `os` and `sys`.
+        Python code; the modules ``os`` and ``sys`` are imported already.
     arguments : sequence of str
-        The process finds them in ``sys.argv[1:]``.
+        Passed as ``sys.argv[1:]``.
     **options
-        Of `subprocess.Popen`.
+        Passed to `subprocess.Popen`.
     """
     words = [sys.executable, "-c", _FOLLOW + code, str(os.getpid()), *arguments]
     return subprocess.Popen(words, **options)  # noqa: S603 - our own interpreter
@@ -73,13 +73,13 @@ def run_in_processes(
 ) -> list[Any]:
     """Call ``function(*task)`` for every task in `n_workers` processes, and return the results in order.
 
-    Whatever a task reports (`relforest.support.progress`) is reported here. An error of a task is raised here
-    at once, and ends the other tasks.
+    Reports of the tasks (`relforest.support.progress`) are passed on. The first error of a task is raised at
+    once and ends the other tasks.
 
     Raises
     ------
     RelforestError
-        If a process ends before its task is done.
+        If a process dies.
     """
     results: list[Any] = [None] * len(tasks)
     waiting = iter(enumerate(tasks))
@@ -113,14 +113,14 @@ def run_in_processes(
 
 
 def serve(connection: Connection) -> None:
-    """Do the tasks that arrive until the other end is closed; the work of a process of the pool."""
+    """Run the tasks that arrive until the other end is closed, in a process of the pool."""
     lock, latest, before = Lock(), 0.0, Stage("")
 
-    def tell(stage: Stage) -> None:
+    def send_report(stage: Stage) -> None:
         nonlocal latest, before
         now, is_news = monotonic(), (stage.within, stage.name) != (before.within, before.name)
         with lock:
-            # Reports may get lost; work must not wait for someone who does not read them.
+            # Reports may be lost, but must not block the work if the parent does not read them.
             if is_news or now - latest >= _SECONDS_BETWEEN_REPORTS:
                 latest, before = now, stage
                 if select([], [connection], [], 0)[1]:
@@ -132,11 +132,11 @@ def serve(connection: Connection) -> None:
         except EOFError:
             return
         try:
-            with listening(tell):
+            with listening(send_report):
                 value = function(*task)
             message: _Result | _Failure = _Result(value)
             ForkingPickler.dumps(message)
-        except Exception as error:  # noqa: BLE001 - all of them belong to whoever asked
+        except Exception as error:  # noqa: BLE001 - the caller handles them
             message = _Failure(_portable(error))
         with lock:
             connection.send(message)
@@ -163,7 +163,7 @@ class _Failure:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Worker:
-    """A process of the pool, numbered from 1, and our end of the line to it."""
+    """A process of the pool, numbered from 1, and the connection to it."""
 
     number: int
     process: subprocess.Popen[bytes]
@@ -194,7 +194,7 @@ def _pool(count: int) -> Iterator[list[_Worker]]:
     with ExitStack() as stack:
         workers = [stack.enter_context(_worker(number)) for number in range(1, count + 1)]
         yield workers
-        # The end of the lines ends the processes; all of them while we wait for the first.
+        # Closing the connections ends all processes at the same time.
         for worker in workers:
             worker.connection.close()
         for worker in workers:
@@ -218,10 +218,10 @@ def _worker(number: int) -> Iterator[_Worker]:
 
 
 def _portable(error: Exception) -> Exception:
-    """Return an error that can be sent, with the traceback of this process as a note."""
+    """Return an error that can be pickled, with its traceback as a note."""
     try:
         ForkingPickler.loads(ForkingPickler.dumps(error))
-    except Exception:  # noqa: BLE001 - any kind of object may hide in an error
+    except Exception:  # noqa: BLE001 - errors may contain any object
         error = RelforestError(f"{type(error).__name__}: {error}")
     error.add_note(f"In a worker process:\n{''.join(traceback.format_exception(error))}")
     return error

@@ -57,7 +57,7 @@ class Step:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Growth:
-    """A grown tree and how it came about.
+    """A grown tree and how it was grown.
 
     Parameters
     ----------
@@ -94,17 +94,17 @@ def grow(
     Returns
     -------
     Growth
-        Its tree is a stub if no question proves itself, in particular if all labels are equal.
+        Its tree is a stub if no question passes the test, in particular if all labels are equal.
 
     Raises
     ------
     InputError
-        If there are no scenes, or not one label for each.
+        If the scenes are empty, or the number of labels differs.
 
     Notes
     -----
-    The source ends as soon as the most promising leaf cannot be expanded. Here that leaf is closed
-    and the next one tried, so that one barren leaf does not keep the others from being refined.
+    The source stops as soon as the most promising leaf cannot be expanded. Here that leaf is closed and
+    the next one is tried, so a barren leaf does not prevent the others from being refined.
 
     References
     ----------
@@ -151,7 +151,7 @@ def grow(
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _State:
-    """A tree in the making: what has arrived at each leaf, and which leaves may still be expanded."""
+    """An unfinished tree: what arrived at each leaf, and which leaves may still be expanded."""
 
     tree: Tree
     sequences: tuple[Sequences, ...]
@@ -159,11 +159,11 @@ class _State:
     is_open: tuple[bool, ...]
 
     def closed(self, leaf: int) -> _State:
-        """The same tree, its leaf not to be tried again."""
+        """Return the same tree, without trying the leaf again."""
         return replace(self, is_open=(*self.is_open[:leaf], False, *self.is_open[leaf + 1 :]))
 
     def expanded(self, leaf: int, found: Candidate) -> _State:
-        """The tree with a leaf replaced by the candidate's question."""
+        """Return the tree with a leaf replaced by the candidate's question."""
         expansion = found.question.expansion
         node = Question(expansion.mapping, expansion.variables, found.volume, 0, 0, 0)
         parts = found.question.partition(found.volume)
@@ -176,7 +176,7 @@ class _State:
 
 
 def _most_promising(state: _State, labels: NDArray[np.bool_], assignment: Assignment) -> int | None:
-    """Open leaf with the highest potential; None if none could raise the likelihood."""
+    """Return the open leaf with the highest potential; None if none can raise the likelihood."""
     best, highest = None, assignment.log_likelihood + 1e-9
     for leaf in np.flatnonzero(state.presence.any(axis=1) & np.array(state.is_open)):
         value = potential(state.presence, labels, assignment.winner, int(leaf))
@@ -193,7 +193,7 @@ def _tested(
     settings: TreeSettings,
     rng: np.random.Generator,
 ) -> float | None:
-    """P-value of the best candidate if it is significant, else None."""
+    """Return the p-value of the best candidate if it is significant, else None."""
     if settings.test == "permutation":
         p_value = permutation_p(found, questions, labels, at, settings, rng)
         return p_value if p_value <= settings.alpha else None

@@ -21,19 +21,19 @@ class TreeSettings:
     Parameters
     ----------
     test : {"likelihood-ratio", "permutation"}
-        How an expansion must prove itself. The likelihood ratio test with Sidak correction is the
-        source's. It is anti-conservative, because the volume was fitted to the same scenes: on pure
-        noise it accepts questions far more often than `alpha`. The permutation test repeats the whole
-        search on shuffled labels and keeps its level, at up to `permutations` times the cost.
+        The test that an expansion must pass. The source uses the likelihood ratio test with Sidak
+        correction. It is anti-conservative, because the volume was fitted to the same scenes: on pure noise
+        it accepts questions far more often than `alpha`. The permutation test repeats the whole search on
+        shuffled labels and keeps its level, at up to `permutations` times the cost.
     alpha : float
         Significance level.
     attempts : int
-        How often each expansion is tried; attempts differ in what covariant aggregation samples.
+        Tries for each expansion; covariant aggregation samples differently each time.
     permutations : int
         Shuffles of the permutation test.
     max_points : int
-        Expansions that would bring more instantiation sequences than this before one question are left
-        out, and counted in `Growth.n_left_out`.
+        Expansions with more instantiation sequences than this are left out and counted in
+        `Growth.n_left_out`.
     covagg : CovAggSettings
         Parameters of covariant aggregation.
 
@@ -56,7 +56,7 @@ class TreeSettings:
         at_least("attempts", self.attempts, 1)
         at_least("permutations", self.permutations, 1)
         at_least("max_points", self.max_points, 1)
-        # The slack makes up for an alpha such as 1 / 49, whose product with 49 is rounded below 1.
+        # The slack allows for an alpha such as 1 / 49: its product with 49 is rounded below 1.
         if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0 - 1e-9:
             msg = (
                 f"permutations={self.permutations} can never reach alpha={self.alpha}: "

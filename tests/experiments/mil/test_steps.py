@@ -63,9 +63,7 @@ def test_a_job_is_over_after_its_last_step_or_a_stopped_one(job: Job) -> None:
 def test_files_of_other_work_are_refused(job: Job, text: str, message: str) -> None:
     job.file.write_text(text)
 
-    with pytest.raises(
-        RunFolderError, match=rf"job\.json .*{message}.*; delete the file, and it is computed"
-    ):
+    with pytest.raises(RunFolderError, match=rf"job\.json .*{message}.*; delete the file to compute"):
         job.saved()
 
 

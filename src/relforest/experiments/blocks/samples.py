@@ -26,7 +26,7 @@ class Mean:
     Parameters
     ----------
     value, error : float
-        NaN where there are no values, or too few of them.
+        NaN where values are missing or too few.
     """
 
     value: float

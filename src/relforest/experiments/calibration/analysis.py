@@ -40,7 +40,7 @@ class Rate:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """The central 95 % of the rates that a test of level `ALPHA` would show on so many sets."""
+        """The central 95 % of the rates that a test of level `ALPHA` shows on this number of sets."""
         low, high = (float(stats.binom.ppf(share, self.n_sets, ALPHA)) for share in (0.025, 0.975))
         return low / self.n_sets, high / self.n_sets
 
@@ -57,7 +57,7 @@ def rates(table: Table) -> Iterator[Rate]:
 def summarize(table: Table) -> Findings:
     """State the rates; that of the permutation test must lie in the interval of a calibrated test.
 
-    The permutation test makes the claim; the likelihood ratio test is only told about.
+    The claim is about the permutation test; the likelihood ratio test is only reported.
     """
     rows, all_rates = [], list(rates(table))
     for found in all_rates:

@@ -22,7 +22,7 @@ _SCHEMA: Final = Schema((Attribute("location", 2),))
 def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
     """Return a row per scene set: test, objects, scenes, block, set, accepted.
 
-    A set counts as accepted if its tree is no stub, that is, if the test let any question pass at the root.
+    A set counts as accepted if its tree is not a stub, that is, if the test accepted a question at the root.
 
     References
     ----------

@@ -62,7 +62,7 @@ def concept_trees(table: Table) -> Iterator[ConceptTrees]:
 
 
 def summarize(table: Table) -> Findings:
-    """State the scores, compare their means with the thresholds, and tell the first tree of each concept."""
+    """List the scores, compare their means with the thresholds, and print the first tree of each concept."""
     rows, claims = [], []
     for trees in concept_trees(table):
         rows.append(

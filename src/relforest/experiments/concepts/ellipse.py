@@ -34,7 +34,7 @@ class CentredEllipse:
 
     @classmethod
     def best(cls, scenes: Scenes, labels: NDArray[np.bool_]) -> CentredEllipse:
-        """Return the ellipse on a grid of semi-axes that tells these scenes apart best.
+        """Return the ellipse, from a grid of semi-axes, that separates these scenes best.
 
         The box .2 < u < .8, abs(v) < .15 of the concept has the same centre and axes by symmetry.
         """

@@ -81,7 +81,7 @@ def _ellipse_score(draw: Draw, n_scenes: int, tested: Labelled) -> float | None:
 
 @cache
 def _best_ellipse(draw: Draw, n_scenes: int) -> CentredEllipse:
-    """Fit the ellipse to so many scenes that its own score is nearly the best there is."""
+    """Fit the ellipse to enough scenes that its score is nearly the best possible."""
     return CentredEllipse.best(*draw(np.random.default_rng(_ELLIPSE_SEED), 20 * n_scenes))
 
 

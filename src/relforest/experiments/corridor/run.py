@@ -14,7 +14,7 @@ from relforest.support.rng import seed_sequence, stream
 
 
 def compute(setting: CorridorSetting, place: Place) -> list[Row]:
-    """Learn the run in a folder of its own, or go on with it, and return its metrics.
+    """Learn the run in its own folder, or continue it, and return its metrics.
 
     The columns are condition, run, and those of ``metrics.jsonl``; iteration 0 is before learning.
 

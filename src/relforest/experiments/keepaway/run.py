@@ -51,8 +51,7 @@ Measures = Iterator[tuple[str, float]]
 def compute(setting: KeepawaySetting, place: Place) -> list[Row]:
     """Return a row per number measured.
 
-    The physics are compared with the recorded steps in the folder that ``RELFOREST_DATA`` names; without it,
-    there is no number about them.
+    The physics are compared with the recorded steps in the folder ``RELFOREST_DATA``, if that is set.
 
     References
     ----------

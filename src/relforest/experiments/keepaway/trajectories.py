@@ -21,7 +21,7 @@ _MIN_DASH_POWER: Final = 0
 
 
 def recorded_steps(path: Path) -> Steps:
-    """Return all steps of a recording that do not end an episode, whose last state was not recorded.
+    """Return all steps of a recording but the last of each episode, since final states were not recorded.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ def summarize(table: Table) -> Findings:
     parts = [sheet.to_text() for sheet in laid_out]
     lines = list(exceptions(results))
     if lines:
-        parts.append("\n".join(["Known differences from the source, of which nothing is claimed", *lines]))
+        parts.append("\n".join(["Known differences from the source, without a claim", *lines]))
     markdown = "\n\n".join(sheet.to_markdown() for sheet in laid_out)
     limit = min(setting.cpu_limit for setting in SETTINGS)
     return Findings.of("\n\n".join(parts), verdicts(results, limit), {"tables.md": f"{markdown}\n"})

@@ -1,6 +1,6 @@
 """Results -> claims: what must hold of the numbers measured.
 
-A claim about data sets or methods that were left out is not made, which is told.
+Claims about data sets or methods that were left out are not made but listed.
 """
 
 from __future__ import annotations

@@ -28,9 +28,9 @@ class Result:
     peak_bytes : int
         The largest memory of its processes.
     is_stopped : bool
-        Whether a fold took too long, so that the others were not done.
+        Whether a fold took too long; the others were then not done.
     facts : mapping
-        The parameters that were chosen, and the size of the data; None what is not known.
+        The chosen parameters and the size of the data; unknown ones are None.
     """
 
     scores: tuple[float, ...]
@@ -73,7 +73,7 @@ class Results:
         Raises
         ------
         RunFolderError
-            If a fold that was done has no score or no time.
+            If the score or the time of a finished fold is missing.
         """
         rows: dict[tuple[str, str], list[Mapping[str, Cell]]] = {}
         for row in table.rows:
@@ -82,12 +82,12 @@ class Results:
 
     @property
     def data_sets(self) -> tuple[str, ...]:
-        """The data sets that there is anything of, in the order of the source."""
+        """The data sets with results, in the order of the source."""
         return tuple(name for name in DATA_SETS if any(name == key[0] for key in self.by_cell))
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """The methods that there is anything of, in the order of the tables."""
+        """The methods with results, in the order of the tables."""
         return tuple(name for name in METHODS if any(name == key[1] for key in self.by_cell))
 
     def get(self, data_set: str, method: str) -> Result | None:
@@ -142,8 +142,8 @@ def _number(row: Mapping[str, Cell], column: str) -> float:
     value = row[column]
     if value is None:
         raise RunFolderError(
-            f"{row['data_set']}, {row['method']}, fold {row['fold']} has no {column}, though it is "
-            f"{row['state']}: delete cells/{row['data_set']}/{row['method']}.json and the file in settings "
-            "that holds this row, and they are computed again"
+            f"{row['data_set']}, {row['method']}, fold {row['fold']} is {row['state']}, but its {column} is "
+            f"missing: delete cells/{row['data_set']}/{row['method']}.json and the file in settings that "
+            "contains this row to compute them again"
         )
     return float(value)

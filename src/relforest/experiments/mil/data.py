@@ -45,7 +45,7 @@ _DRAWS, _FOLDS, _TUNING = 0, 1, 2
 @final
 @dataclass(frozen=True, slots=True)
 class Synthetic:
-    """A data set that is drawn as often as wanted.
+    """A data set that can be drawn any number of times.
 
     Parameters
     ----------
@@ -65,14 +65,14 @@ class Synthetic:
 @final
 @dataclass(frozen=True, slots=True)
 class Standard:
-    """A data set that is there once.
+    """A data set that exists once.
 
     Parameters
     ----------
     title, key
         As of a synthetic one.
     fetch : callable
-        Reads the bags, or raises a `DataError`: a `MissingDataError` if there is no file.
+        Reads the bags, or raises a `DataError`: a `MissingDataError` if the file is missing.
     """
 
     title: str
@@ -113,9 +113,9 @@ DATA_SETS: Final[Mapping[str, DataSet]] = MappingProxyType(
 
 DESIGNED_WITH: Final = ("color", "covariant1", "covariant2", "disjunctive", "musk1")
 HELD_OUT: Final = tuple(name for name in DATA_SETS if name not in DESIGNED_WITH)
-"""Data sets by whose scores nothing about the committee was chosen.
+"""Data sets that played no part in designing the committee.
 
-On the others its score flatters it, as that of the best of several variants. See the ``README.md`` of this
+On the others its score is flattering, as that of the best of several variants. See the ``README.md`` of this
 study and that of ``mil_ablation`` for what was known of these.
 """
 
@@ -129,8 +129,8 @@ def splitter(data_set: DataSet, *, seed: int, n_bags: int) -> Callable[[int], Sp
     seed : int
         The seed of the study.
     n_bags : int
-        Bags in each training and test set that is drawn; without meaning for others, of which a fold is one
-        of `N_FOLDS` parts.
+        Bags in each training and test set of a synthetic data set; a fold of a standard one is one of
+        `N_FOLDS` parts.
     """
     if isinstance(data_set, Synthetic):
         draws = stream(seed_sequence(seed), _DRAWS, data_set.key)
@@ -173,7 +173,7 @@ def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Gen
 
 
 def absence(name: str) -> Obstacle | None:
-    """Return that the file of a data set is not here, and the remedy; None if it is, or none is needed.
+    """Return why a data set cannot be used here and the remedy; None if it can.
 
     Parameters
     ----------
@@ -183,14 +183,14 @@ def absence(name: str) -> Obstacle | None:
     Raises
     ------
     DataError
-        If there is a file that is not the right one, or that cannot be read or downloaded.
+        If its file is a wrong one, or cannot be read or downloaded.
     """
     data_set = DATA_SETS[name]
     if isinstance(data_set, Standard):
         try:
             data_set.fetch()
         except MissingDataError:
-            # What differs between data sets stays out of the reason, so that it is told once for all of them.
+            # The reason is the same for all data sets, so it is printed once.
             return Obstacle(f"{data_set.title} ({file_name(name.replace('-', '_'))})", _remedy())
     return None
 
@@ -198,9 +198,9 @@ def absence(name: str) -> Obstacle | None:
 def _remedy() -> str:
     now = os.environ.get(DATA_VARIABLE)
     return (
-        f"No such files were found: set the environment variable {DATA_VARIABLE} "
-        f"({f'now {now}' if now else 'not set now'}) to a folder that holds them, alone or in a folder mil, "
-        f"or {URL_VARIABLE} to the address of a folder to download them from."
+        f"These files were not found: set the environment variable {DATA_VARIABLE} "
+        f"({f'now {now}' if now else 'not set now'}) to a folder that contains them, directly or in a folder "
+        f"mil, or {URL_VARIABLE} to the address of a folder to download them from."
     )
 
 

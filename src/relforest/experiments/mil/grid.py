@@ -33,5 +33,5 @@ def best_point(steps: Sequence[Step], points: Sequence[dict[str, float]]) -> dic
 
 
 def _every(values: Sequence[float], base: float, step: int) -> list[float]:
-    """Return the values whose powers differ from that of the first, the constant one, by multiples."""
+    """Return the values with exponents that differ from that of the constant one by multiples of the step."""
     return [value for value in values if round(math.log(value / values[0], base)) % step == 0]

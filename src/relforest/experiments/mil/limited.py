@@ -1,4 +1,4 @@
-"""Doing the steps of a job in a process of its own, whose CPU time is limited and whose memory is watched."""
+"""Doing the steps of a job in a process with limited CPU time, while its memory is observed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Final, final
 from relforest.experiments.mil.steps import STOPPED, Job, Step
 from relforest.experiments.mil.worker import PREPARATION, peak_memory
 from relforest.support.errors import InputError, RelforestError
-from relforest.support.progress import report
+from relforest.support.progress import is_heard, report
 from relforest.support.workers import start
 
 _START: Final = (
@@ -32,7 +32,7 @@ _SHOWN: Final = 4000
 @final
 @dataclass(frozen=True, slots=True)
 class _Ended:
-    """How a process ended: its exit status, what it complained of, its largest memory, how far it came."""
+    """How a process ended: exit status, standard error, peak memory, whether it was prepared."""
 
     status: int
     errors: str
@@ -47,7 +47,7 @@ def run_job(job: Job, name: str) -> list[Step]:
     ----------
     job : Job
     name : str
-        What it is, for messages.
+        Name for messages.
 
     Returns
     -------
@@ -57,30 +57,28 @@ def run_job(job: Job, name: str) -> list[Step]:
     Raises
     ------
     InputError
-        If this machine allows a process less CPU time than a step may take.
+        If this machine limits processes to less CPU time than a step may take.
     RelforestError
-        If a process ends otherwise than by having done its work or a step that exceeds its limit.
+        If a process fails for any reason but a step that exceeds its limit.
     """
     steps = job.saved()
     if not job.is_over(steps):
         _check_limit(job, name)
     while not job.is_over(steps):
-        # The process says nothing while it works: its time is measured.
-        report(f"step {len(steps)} and those after it", len(steps), job.n_steps)
         ended = _run(job)
         steps = job.saved()
         if ended.status == -signal.SIGXCPU and not ended.was_prepared:
             raise RelforestError(
                 f"{name}: the process took more than {PREPARATION:.0f} CPU seconds before its first step, "
-                "for reading data, compiling and a first small problem, so that nothing is known of the "
-                "method; give the command again: what has been compiled is kept"
+                "to read data, compile and solve a small problem; run it again, compiled code is kept"
             )
         if ended.status == -signal.SIGXCPU:
             steps.append(Step(STOPPED, None, ended.peak_bytes))
             job.save(steps)
         elif ended.status != 0 or not job.is_over(steps):
             raise RelforestError(
-                f"{name}, step {len(steps)} (of 0 to {job.n_steps - 1}): the process {_told(ended.status)}\n"
+                f"{name}, step {len(steps)} (of 0 to {job.n_steps - 1}): the process "
+                f"{_ending(ended.status)}\n"
                 f"{ended.errors[-_SHOWN:]}"
             )
     return steps
@@ -90,8 +88,8 @@ def _check_limit(job: Job, name: str) -> None:
     hard = _hard_limit()
     if hard is not None and hard < job.cpu_limit:
         raise InputError(
-            f"{name}: a step may take {job.cpu_limit:g} CPU seconds, but every process started from here is "
-            f"ended after {hard}: raise that limit (ulimit -t), best to unlimited"
+            f"{name}: a step may take {job.cpu_limit:g} CPU seconds, but processes started from here end "
+            f"after {hard}: raise that limit (ulimit -t), best to unlimited"
         )
 
 
@@ -102,17 +100,17 @@ def _hard_limit() -> int | None:
 
 def _run(job: Job) -> _Ended:
     with (
-        _pipe() as (told, telling),
+        _pipe() as (news, sending),
         start(
             _START,
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
-            pass_fds=(telling,),
+            pass_fds=(sending,),
             env={**os.environ, **_ONE_THREAD},
         ) as process,
     ):
-        asked = {"path": sys.path, "job": job.to_dict(), "prepared": telling}
+        asked = {"path": sys.path, "job": job.to_dict(), "prepared": sending}
         message: bytes | None = json.dumps(asked).encode()
         peak = 0
         while True:
@@ -121,11 +119,13 @@ def _run(job: Job) -> _Ended:
             except subprocess.TimeoutExpired:
                 message = None
                 peak = max(peak, peak_memory(process.pid))
+                if is_heard():
+                    report("steps", len(job.saved()), job.n_steps)
             except BaseException:
                 process.kill()
                 raise
             else:
-                was_prepared = bool(select([told], [], [], 0)[0])
+                was_prepared = bool(select([news], [], [], 0)[0])
                 return _Ended(process.returncode, errors.decode(errors="replace"), peak, was_prepared)
 
 
@@ -139,12 +139,12 @@ def _pipe() -> Iterator[tuple[int, int]]:
             os.close(end)
 
 
-def _told(status: int) -> str:
-    """Say how a process ended."""
+def _ending(status: int) -> str:
+    """Describe how a process ended."""
     if status == -signal.SIGKILL:
         hard = _hard_limit()
-        limit = "" if hard is None else f"because it took {hard} CPU seconds in all (ulimit -t), or "
-        return f"was killed, perhaps {limit}for want of memory"
+        limit = "" if hard is None else f" after {hard} CPU seconds in all (ulimit -t), or"
+        return f"was killed, perhaps{limit} for lack of memory"
     if status < 0:
         return f"was ended by the signal {signal.Signals(-status).name}"
     return "ended early" if status == 0 else f"failed with exit status {status}"

@@ -33,7 +33,7 @@ def compute(setting: MilSetting, place: Place) -> list[Row]:
     """Return a row per fold.
 
     Its columns are data_set, method, fold, state (``"done"``, or ``"stopped"`` for one that took too long,
-    after which there are no others), pss, cpu_seconds, peak_bytes, C and gamma_factor (where they were
+    the last one then), pss, cpu_seconds, peak_bytes, C and gamma_factor (where they were
     chosen), n_bags, n_positive, n_instances and n_features of training and test set together. Times and
     memory differ from run to run.
 
@@ -57,12 +57,12 @@ def measured(setting: MilSetting, place: Place, work: Work) -> list[Row]:
 
 
 def obstacles(settings: Sequence[MilSetting]) -> Mapping[MilSetting, Obstacle]:
-    """Return the settings whose data are not here.
+    """Return the settings with missing data.
 
     Raises
     ------
     DataError
-        If data are here, but damaged.
+        If a file is damaged.
     """
     found = {name: absence(name) for name in dict.fromkeys(setting.data_set for setting in settings)}
     return {setting: obstacle for setting in settings if (obstacle := found[setting.data_set]) is not None}

@@ -69,7 +69,7 @@ SYNTHETIC: Final = tuple(name for name, data_set in DATA_SETS.items() if isinsta
 STANDARD: Final = tuple(name for name, data_set in DATA_SETS.items() if isinstance(data_set, Standard))
 
 REPRODUCED: Final = ("covariant1", "covariant2", "disjunctive")
-"""Synthetic data sets whose distributions the source tells, so that its scores must be reached."""
+"""Synthetic data sets with published distributions: the source's scores must be reached."""
 
 PEER_TOLERANCE: Final = 0.08
 """How far a peer's mean score may lie from the source's on those."""
@@ -86,12 +86,12 @@ EXPLAINED: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
             "score of -.01; the others had .32"
         ),
         ("covariant1", INSTANCE_MARGIN): (
-            "the source's program takes its threshold from points that are no support vectors too; a copy of "
-            "it with that flaw scores .40, the same quadratic program with a right threshold .69"
+            "the source's program also takes its threshold from points that are not support vectors; a copy "
+            "with that flaw scores .40, the same quadratic program with a right threshold .69"
         ),
     }
 )
-"""Data sets and peers of which no agreement is claimed, and why they differ more where they do."""
+"""Data sets and peers without a claim of agreement, and the reason for the difference."""
 
 FASTER_THAN: Final = (DD, EM_DD, INSTANCE_MARGIN, BAG_MARGIN)
 FASTER_ON: Final = (*SYNTHETIC, "musk2")
@@ -134,4 +134,4 @@ SMOKE: Final = (
 CHOICES: Final[Mapping[str, Callable[[MilSetting], str]]] = MappingProxyType(
     {"methods": attrgetter("method"), "datasets": attrgetter("data_set")}
 )
-"""What settings may be chosen by on the command line."""
+"""How settings are chosen on the command line."""

@@ -101,14 +101,14 @@ class Job:
         """
         if not self.file.exists():
             return []
-        remedy = "delete the file, and it is computed again"
+        remedy = "delete the file to compute it again"
         try:
             document = read_json(self.file, format=_FORMAT, version=_VERSION)
             steps = [_checked(Step(**step)) for step in document["steps"]]
         except (ModelFormatError, KeyError, TypeError) as error:
             raise RunFolderError(f"{self.file} is damaged ({error}); {remedy}") from error
         if document.get("asked") != dict(self.asked) or len(steps) > self.n_steps:
-            raise RunFolderError(f"{self.file} holds other work; {remedy}")
+            raise RunFolderError(f"{self.file} belongs to other work; {remedy}")
         return steps
 
     def save(self, steps: list[Step]) -> None:

@@ -170,7 +170,7 @@ def _mean_sheet(results: Results) -> Sheet:
     ]
     improved = METHODS[IMPROVED].title
     caption = (
-        "Mean over the data sets of mean Peirce skill scores, once more over those held out: "
+        "Mean over the data sets of mean Peirce skill scores, and over those held out: "
         f"{improved} was designed without them"
     )
     header = (

@@ -1,7 +1,7 @@
 """The process in which the steps of a job are done, timed, and stopped when they take too long.
 
 A limit that the operating system enforces (``RLIMIT_CPU``) ends even a solver that never comes back to
-Python. It ends the whole process, so that the steps are saved one by one, and another process goes on.
+Python. It ends the whole process, so steps are saved one by one, and another process continues.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def serve(document: Mapping[str, Any], prepared: int) -> None:
 
 
 def work_through(job: Job, on_prepared: Callable[[], object] = lambda: None) -> None:
-    """Do what is left of a job; a step over the limit ends the process, or is told from its time.
+    """Do what is left of a job; a step over the limit ends the process, or is recognised by its time.
 
     Parameters
     ----------
@@ -101,17 +101,16 @@ def cpu_seconds() -> float:
 
 
 def peak_memory(process: str | int = "self") -> int:
-    """Return the largest memory that a process has had so far, in bytes; 0 if it cannot be told.
+    """Return the largest memory that a process has had so far, in bytes; 0 if unknown.
 
     Parameters
     ----------
     process : str or int
-        Its number; by default the process that asks.
+        Its number; by default this process.
 
     Notes
     -----
-    ``ru_maxrss`` of a new process may be that of the one which started it, so it is only asked where there
-    is no ``/proc``.
+    ``ru_maxrss`` of a new process may be that of its parent, so it is used only on systems without ``/proc``.
     """
     try:
         lines = read_input(_STATUS.format(process)).decode().splitlines()
@@ -120,7 +119,7 @@ def peak_memory(process: str | int = "self") -> int:
             return 0
         unit = 1 if sys.platform == "darwin" else 1024
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
-    # A process that has ended and was not asked for its status yet has no such line.
+    # A zombie lacks this line.
     return 1024 * sum(int(line.split()[1]) for line in lines if line.startswith(_PEAK))
 
 

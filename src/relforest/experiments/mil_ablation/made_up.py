@@ -3,8 +3,8 @@
 They take the place of the published sets while a learner is designed, so that those can be kept for one final
 comparison. Three of them imitate facts of published sets that were known before: `elements` the pairs of
 element and type and the charges of Mutagenesis, `rare` the 13 % positive bags and the units of Thioredoxin,
-`wide` the constant features of Elephant, Fox and Tiger. They hold no bag of these sets, and all other numbers
-are ours. The truth of each set is the same in every draw.
+`wide` the constant features of Elephant, Fox and Tiger. They contain no bags of these sets, and all
+other numbers are ours. The truth of each set is the same in every draw.
 """
 
 from __future__ import annotations

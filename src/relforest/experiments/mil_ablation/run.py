@@ -62,12 +62,12 @@ def compute(setting: AblationSetting, place: Place) -> list[Row]:
 
 
 def obstacles(settings: Sequence[AblationSetting]) -> Mapping[AblationSetting, Obstacle]:
-    """Return the settings whose data are not here.
+    """Return the settings with missing data.
 
     Raises
     ------
     DataError
-        If data are here, but damaged.
+        If a file is damaged.
     """
     of_musk = [setting for setting in settings if setting.data_set == MUSK]
     obstacle = absence(MUSK) if of_musk else None

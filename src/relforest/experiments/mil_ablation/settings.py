@@ -60,7 +60,7 @@ TITLES: Final = MappingProxyType(
 )
 MUSK: Final = "musk1"
 MODELLED: Final = ("rare", "wide", "elements")
-"""Made-up sets that imitate facts of published ones, of which `mil` is to be an independent comparison."""
+"""Made-up sets that imitate facts of published ones, on which `mil` should compare independently."""
 
 PUBLISHED: Final = "CovAgg"
 COMMITTEE: Final = "committee"

@@ -1,4 +1,4 @@
-"""A check that a run that is killed at any moment and started again ends as if nothing had happened.
+"""Whether a run that is killed at any moment and restarted ends with the files of an uninterrupted run.
 
 `settings` holds the variants, `run` kills ``relforest learn`` and compares what it leaves behind, `analysis`
 turns the table into findings. The question, the command and the result are in ``README.md``.

@@ -1,4 +1,4 @@
-"""A variant -> for each moment whether the killed and resumed run left the files of the uninterrupted one."""
+"""A variant -> for each moment, whether the killed and resumed run has the files of an uninterrupted one."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from relforest.support.workers import start
 TASK: Final = "corridor"
 
 LONGEST: Final = 2.0
-"""Seconds that the processes which a killed run has started may outlive it."""
+"""Seconds after which no process of a killed run may be left."""
 
-# The signals may be ignored here, as in a worker process or after nohup, and that is inherited.
+# A child process inherits ignored signals, for example from a worker process or from nohup.
 _RELFOREST: Final = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -49,14 +49,14 @@ _PATIENCE: Final = 10.0
 @final
 @dataclass(frozen=True, slots=True)
 class Kill:
-    """A way to end a run: the signal, and whether all its processes get it or only the first."""
+    """A way to end a run: a signal to all of its processes, or to the first one."""
 
     signal: signal.Signals
     all_processes: bool
 
     @property
     def name(self) -> str:
-        """The signal, and who gets it."""
+        """The signal and its receivers."""
         return f"{self.signal.name} to {'all' if self.all_processes else 'the first'}"
 
 
@@ -67,7 +67,7 @@ KILLS: Final = (
     Kill(signal.SIGINT, all_processes=True),
     Kill(signal.SIGHUP, all_processes=True),
 )
-"""SIGKILL; the same to the first process, as by a batch system; SIGTERM; Ctrl-C; a closed terminal."""
+"""The last four: a crash of the first process, a batch system, Ctrl-C, a closed terminal."""
 
 
 def compute(setting: ResumeSetting, place: Place) -> list[Row]:
@@ -146,7 +146,7 @@ def kill_after(arguments: list[str], seconds: float, kill: Kill) -> tuple[bool, 
     alive : bool
         Whether it was still running.
     survivors : int
-        How many of its processes were still running after `LONGEST` seconds; they are killed then.
+        How many of its processes were still running after `LONGEST` seconds and had to be killed.
     """
     with start(
         _RELFOREST,
@@ -184,7 +184,7 @@ def running(group: int) -> int:
 
 
 def await_locks(out: Path) -> None:
-    """Wait for killed workers, which end a moment after their parent and hold their locks until then."""
+    """Wait for killed workers: they hold their locks until they end, a moment after their parent."""
     limit = time.monotonic() + _PATIENCE
     for lock in sorted(out.rglob(_LOCK)):
         while True:
@@ -198,7 +198,7 @@ def await_locks(out: Path) -> None:
 
 
 def compare(folder: Path, other: Path) -> tuple[list[str], list[str]]:
-    """Return the names of the files that are the same in two folders, and of those that are not."""
+    """Return the names of the files that are equal in two folders, and of those that differ."""
     names = sorted({name for root in (folder, other) for name in _files(root)})
     same = [
         name

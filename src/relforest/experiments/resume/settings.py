@@ -1,4 +1,4 @@
-"""What is killed, how and how often, and with how many processes it goes on."""
+"""What is killed, how and how often, and with how many processes it is resumed."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ PARENT: Final = "parent"
 @final
 @dataclass(frozen=True, slots=True)
 class ResumeSetting:
-    """A run, or several at the same time, killed at a number of moments and started again each time.
+    """One or several runs, killed at a number of moments and restarted each time.
 
     Parameters
     ----------
     name : str
-        As the command line has it; settings of one name are parts of one variant.
+        As on the command line; settings with the same name are parts of one variant.
     title : str
         A few words.
     runs, jobs : int
         Options of ``relforest learn``.
     resumed_jobs : int
-        The same, when it is started again.
+        The same for the restarts.
     episodes, iterations : int
         Options of ``relforest learn``.
     moments : int
-        Moments, spread over the duration of the uninterrupted run.
+        Number of moments, spread over the duration of an uninterrupted run.
     kills : int
-        How often the run of each moment is killed: at that moment, and after starting it again at others.
+        How often each run is killed: at its moment, and at further moments after each restart.
     whom : {"group", "parent"}
-        Whether all processes are killed with SIGKILL, or in turn only the first with SIGKILL and SIGTERM, and
-        all with SIGINT and SIGHUP, as by Ctrl-C and a closed terminal: those that it started must end too.
+        ``"group"`` sends SIGKILL to all processes. ``"parent"`` sends, in turn, SIGKILL and SIGTERM to the
+        first process, and SIGINT and SIGHUP to all, like Ctrl-C and a closed terminal.
     part : int
         Number of the part of its variant.
     """
@@ -79,4 +79,4 @@ SMOKE: Final = (
 CHOICES: Final[Mapping[str, Callable[[ResumeSetting], str]]] = MappingProxyType(
     {"methods": attrgetter("name")}
 )
-"""What settings may be chosen by on the command line."""
+"""How settings are chosen on the command line."""
