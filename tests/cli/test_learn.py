@@ -78,7 +78,7 @@ def test_runs_go_to_a_folder_of_their_task(
         (("corridor", "--lspi-iterations", "0"), "--lspi-iterations must be an integer of at least 1"),
         (("corridor", "--sarsa-alpha", "1"), "--sarsa-alpha is an option of Sarsa: leave it out with"),
         (("keepaway", "--method", "cmac-sarsa", "--rounds", "3"), "--rounds is an option of SMRF-RPI"),
-        (("corridor", "--method", "cmac-sarsa"), "the method for corridor must be one of 'smrf-rpi'"),
+        (("corridor", "--method", "cmac-sarsa"), "--method cmac-sarsa is not for corridor: use smrf-rpi"),
     ],
 )
 def test_bad_options_are_one_clear_line(

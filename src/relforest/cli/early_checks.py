@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
@@ -99,7 +100,8 @@ def naming_options(parameters: Iterable[str], **renamed: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        first, _, rest = str(error).partition(" ")
+        # The parameter, perhaps said to be that of something: "max_iterations of LSPI must be ...".
+        first, _, rest = re.sub(r"^(\w+) of \w+ ", r"\1 ", str(error)).partition(" ")
         name = renamed.get(first, first if first in parameters else "")
         if not name:
             raise

@@ -129,6 +129,11 @@ def _config(options: LearnOptions) -> RunConfig:
     if foreign:
         name, owner = option_name(next(iter(foreign))), "Sarsa" if is_relational else "SMRF-RPI"
         raise UsageError(f"{name} is an option of {owner}: leave it out with --method {options.method}")
+    task = task_named(options.task)
+    if options.method not in task.pictures:
+        raise UsageError(
+            f"--method {options.method} is not for {task.name}: use {' or '.join(task.pictures)}"
+        )
     return RunConfig(
         options.task,
         episodes=options.episodes,
@@ -137,7 +142,7 @@ def _config(options: LearnOptions) -> RunConfig:
         seed=options.seed,
         test_episodes=options.test_episodes,
         method=options.method,
-        rpi=options.smrf_rpi.settings(task_named(options.task).settings) if is_relational else None,
+        rpi=options.smrf_rpi.settings(task.settings) if is_relational else None,
         discount=options.smrf_rpi.discount,
         sarsa=None if is_relational else options.sarsa.settings(),
     )
