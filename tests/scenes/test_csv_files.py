@@ -70,11 +70,11 @@ def test_a_file_with_nothing_but_names_has_no_rows() -> None:
         (b"\n\r\n", r"t\.csv is empty"),
         (
             b"s,x\n1,2\n\n3\n",
-            r"t\.csv, line 4: there are 1 fields, but 2 columns: complete the row, and quote",
+            r"t\.csv, line 4: the row has 1 of 2 fields: complete the row, and quote",
         ),
-        (b's,x\n"1\n2",3\n1,2,3\n', r"t\.csv, line 4: there are 3 fields"),
+        (b's,x\n"1\n2",3\n1,2,3\n', r"t\.csv, line 4: the row has 3 of 2 fields"),
         (b"s,x\n1,2\n3,\xe9\n", r"t\.csv is not UTF-8 text \(byte 0xe9 in line 3\): pass its"),
-        (b"s,\xe9\n1,2\n", r"no column 'x' in t\.csv: it has 's', '\\udce9' \(pass the encoding"),
+        (b"s,\xe9\n1,2\n", r"column 'x' is missing from t\.csv, which has 's', '\\udce9' \(pass"),
         # Each of these would swallow rows.
         (
             b's,x\n1,"2\n3,4\n',

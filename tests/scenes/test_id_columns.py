@@ -67,16 +67,24 @@ def test_ids_are_read_as_they_are_written(values: Any, kind: Any, expected: list
         (
             [float(BIG)],
             pa.float64(),
-            r"holds the float 9007199254740994 in row 0, .* may be lost already: read",
+            r"contains the float 9007199254740994 in row 0, .* have lost digits: read",
         ),
         ([1.0, 2.0**53], pa.float64(), "exact only below 9007199254740992"),
-        ([1.0, -(2.0**24)], pa.float32(), "holds the float -16777216 in row 1, .* only below 16777216"),
+        ([1.0, -(2.0**24)], pa.float32(), "contains the float -16777216 in row 1, .* only below 16777216"),
         ([np.float16(2048)], pa.float16(), "exact only below 2048"),
-        ([np.inf], pa.float64(), "holds the float inf"),
-        ([1.5], pa.float64(), "holds 1.5 in row 0, but ids are whole numbers or strings: convert the column"),
-        ([b"\xff"], pa.binary(), "holds binary values that cannot be text: convert the column to strings"),
-        ([0], pa.timestamp("s", "Nowhere/Else"), "cannot be text"),
-        ([[1]], None, "holds list.*, but ids are integers, strings, dates or times"),
+        ([np.inf], pa.float64(), "contains the float inf"),
+        (
+            [1.5],
+            pa.float64(),
+            "contains 1.5 in row 0, but ids are whole numbers or strings: convert the column",
+        ),
+        (
+            [b"\xff"],
+            pa.binary(),
+            "contains binary values that cannot be converted to text: convert the column to strings",
+        ),
+        ([0], pa.timestamp("s", "Nowhere/Else"), "cannot be converted to text"),
+        ([[1]], None, "contains list.*, but ids are integers, strings, dates or times"),
     ],
 )
 def test_ids_that_are_not_certain_are_refused(values: Any, kind: Any, message: str) -> None:
@@ -97,7 +105,7 @@ def test_an_argument_is_not_bound_to_a_neighbour() -> None:
     frame = pd.DataFrame({"s": [1, 1, 2], "o": [BIG, NEXT, 5], "x": [0.0, 1.0, 2.0], "p": [NEXT, NEXT, None]})
     keywords: dict[str, Any] = {"scene": "s", "object": "o", "attributes": {"x": "x"}, "arguments": ["p"]}
 
-    with pytest.raises(InputError, match="column 'p' holds the float 9007199254740996 in row 0"):
+    with pytest.raises(InputError, match="column 'p' contains the float 9007199254740996 in row 0"):
         Scenes.from_frame(frame, **keywords)
     exact = pd.DataFrame({"p": pd.array([NEXT, NEXT, None], dtype="Int64")})
     scenes = Scenes.from_frame(frame.assign(p=exact["p"]), **keywords)

@@ -147,7 +147,7 @@ def test_a_foreign_file_needs_keywords(keywords: dict[str, Any], tmp_path: Path)
 
 
 def test_missing_and_damaged_files_are_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"there is no file .*none\.parquet"):
+    with pytest.raises(InputError, match=r"file .*none\.parquet does not exist"):
         Scenes.from_parquet(tmp_path / "none.parquet")
     (tmp_path / "bad.parquet").write_bytes(b"PAR1 but nothing else")
     with pytest.raises(InputError, match=r"bad\.parquet is not a readable Parquet file"):
@@ -194,11 +194,14 @@ def with_column(name: str, values: list[Any]) -> Any:
         (with_column("object_row", [0, None, 1]), "not numbered in order"),
         (with_column("object_row", [0, 2**62, 1]), "not numbered in order"),
         (with_column("scene_number", [0, 0, 2**62]), "not numbered in order"),
-        (with_column("scene", [7, 7, None]), "a scene has no id"),
+        (with_column("scene", [7, 7, None]), "a scene lacks an id"),
         (with_column("object", ["p", None, "q"]), "not numbered in order"),
         (with_column("object", ["q", "q", "q"]), "occurs twice"),
         (with_column("passer", ["z", "z", None]), "'passer' of scene 7 is 'z'"),
-        (with_column("weight", ["a", "b", "c"]), "column 'weight' holds 'a' in row 0, which is not a number"),
+        (
+            with_column("weight", ["a", "b", "c"]),
+            "column 'weight' contains 'a' in row 0, which is not a number",
+        ),
         (with_column("weight", [1.0, np.inf, 1.0]), "column 'weight' is infinite in row 1"),
     ],
 )

@@ -32,7 +32,9 @@ def test_only_columns_that_are_named_are_read(tmp_path: Path) -> None:
 
     assert file.names == ("s", "x", "nested", "lists")
     assert file.read(["x", "s"]).to_pydict() == {"x": [0.5, 1.5], "s": ["a", "b"]}
-    with pytest.raises(InputError, match=r"'y' in .*t\.parquet: it has 's', 'x', 'nested', 'lists'"):
+    with pytest.raises(
+        InputError, match=r"'y' is missing from .*t\.parquet, which has 's', 'x', 'nested', 'lists'"
+    ):
         file.read(["y"])
 
 
@@ -120,7 +122,7 @@ def test_a_folder_is_read_as_one_table(tmp_path: Path) -> None:
         ),
         (
             {"a.parquet": {}, "b.parquet": {"s": [1, 2]}},
-            r"'s' holds int64 in .*b\.parquet, but large_str",
+            r"'s' contains int64 in .*b\.parquet, but large_str",
         ),
         ({"a.parquet": {}, "b.csv": {}}, r"contains 'b\.csv': only folders of Parquet files can be read"),
         ({"a.parquet": {}, "b.parquet": None}, r"b\.parquet is not a readable Parquet file"),

@@ -127,12 +127,12 @@ class Odd:
         ("https://example.org/t.csv", "is a web address: download the file and give its path"),
         (Path("https://example.org/t.csv"), "is a web address"),
         ("s3://bucket/t.parquet", "is a web address"),
-        ("no/such/t.csv", r"there is no file no/such/t\.csv: check the path"),
+        ("no/such/t.csv", r"file no/such/t\.csv does not exist: check the path"),
         ("x" * 5000 + ".csv", "cannot be read: File name too long; check the path"),
         (b"t.csv", "expected a path or an open file, got bytes"),
         (None, "expected a path or an open file, got NoneType"),
         (3, "expected a path or an open file, got int"),
-        (Odd(), "the open Odd gave int where text or bytes are needed"),
+        (Odd(), "the open Odd returns int instead of text or bytes"),
     ],
 )
 def test_other_sources_are_refused(source: Any, message: str) -> None:
@@ -143,7 +143,7 @@ def test_other_sources_are_refused(source: Any, message: str) -> None:
 
 
 def test_half_a_character_is_refused() -> None:
-    with pytest.raises(InputError, match=r"the open StringIO holds '\\ud800', which is not a character"):
+    with pytest.raises(InputError, match=r"the open StringIO contains '\\ud800', which is not a character"):
         read_bytes(io.StringIO("\ud800"))
 
 

@@ -56,12 +56,12 @@ def test_a_table_is_read_by_its_suffix(name: str, tmp_path: Path) -> None:
         (
             "passes.csv",
             "a,b\n1,2\n1,2,3\n",
-            r"passes\.csv, line 3: there are 3 fields, but 2 columns: complete the row",
+            r"passes\.csv, line 3: the row has 3 of 2 fields: complete the row",
         ),
         ("passes.csv", "", "is empty: its first line must name the columns"),
         ("passes.parquet", "a,b\n", "not a readable Parquet file"),
-        ("passes.csv", None, "there is no file"),
-        ("passes.pq", None, "there is no file"),
+        ("passes.csv", None, "does not exist: check the path"),
+        ("passes.pq", None, "does not exist: check the path"),
     ],
 )
 def test_files_that_cannot_be_read_are_named(

@@ -1,4 +1,4 @@
-"""What a learner sees: schemas, columnar batches of scenes, and bags of points.
+"""The input of learners: schemas, columnar batches of scenes, and bags of points.
 
 A *scene* is a set of objects, some of which may be bound to the arguments of an action. An object has the
 attributes of a `Schema`, any of which may be undefined (NaN). All data enter the library here and are checked

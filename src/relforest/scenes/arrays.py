@@ -1,4 +1,4 @@
-"""The arrays a batch of scenes is made of, and the checks they pass once."""
+"""The arrays of a batch of scenes, and their checks."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
     Raises
     ------
     InputError
-        If a shape or type is wrong, a row number points outside the matrix, a value is infinite, a scene
-        holds a row twice or has an argument that is none of its objects.
+        If a shape or type is wrong, a row number points outside the matrix, a value is infinite, or a scene
+        contains a row twice or binds an argument to a row it does not contain.
     """
     matrix = _floats(parts.schema, parts.matrix)
     object_ids = as_ids("object_ids", parts.object_ids)
@@ -71,8 +71,8 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
     scene, row = first_misfit(rows, starts, counts, arguments, np.full(len(matrix), -1))
     if scene >= 0:
         raise InputError(
-            f"scene {scene} holds object row {row} twice, or has it as an argument without holding it: "
-            "list every object of a scene once"
+            f"scene {scene} contains object row {row} twice, or binds it to an argument without containing "
+            "it: list each object of a scene once"
         )
     scene_ids = as_ids("scene_ids", parts.scene_ids)
     if len(scene_ids) != len(starts):
@@ -115,7 +115,7 @@ def _floats(schema: Schema, values: ArrayLike) -> FloatArray:
     try:
         matrix = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"the matrix of scenes must hold numbers: {error}") from error
+        raise InputError(f"the matrix of scenes must contain numbers: {error}") from error
     if matrix.ndim != 2 or matrix.shape[1] != schema.width:
         raise InputError(
             f"the matrix must have shape (n_rows, {schema.width}), the columns of "

@@ -1,4 +1,4 @@
-"""What the library needs to know of Arrow, the common ground of all data frames and of Parquet."""
+"""The few operations on Arrow, the common form of data frames and Parquet, that the library needs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = [
     "to_codes",
 ]
 
-# pyarrow ships no types; the names say at least what is meant.
+# pyarrow has no type annotations; these names at least show what is meant.
 ArrowArray: TypeAlias = Any
 ArrowTable: TypeAlias = Any
 ArrowType: TypeAlias = Any
@@ -63,7 +63,7 @@ def iso_text(column: ArrowArray) -> ArrowArray:
 
 
 def is_numeric(kind: ArrowType) -> bool:
-    """Tell whether values of a type are numbers (booleans are 0 and 1, a column of nulls counts too)."""
+    """Return whether values of a type are numbers (including booleans, as 0 and 1, and columns of nulls)."""
     types = pa.types
     tests = (types.is_integer, types.is_floating, types.is_decimal, types.is_boolean, types.is_null)
     return any(test(kind) for test in tests)
@@ -75,6 +75,6 @@ def is_temporal(kind: ArrowType) -> bool:
 
 
 def is_text(kind: ArrowType) -> bool:
-    """Tell whether values of a type are strings."""
+    """Return whether values of a type are strings."""
     types = pa.types
     return any(test(kind) for test in (types.is_string, types.is_large_string, types.is_string_view))

@@ -32,14 +32,14 @@ _Key = int | np.integer | slice | ArrayLike
 class Scenes:
     """A batch of scenes, each a set of objects with the attributes of one schema.
 
-    Usually made by `from_frame`, `from_dicts`, `from_parquet` or `from_padded`; the constructor is the cheap
-    path for code that already has the arrays. It checks shapes, types and bounds and does not copy: leave the
-    arrays alone afterwards.
+    Usually made by `from_frame`, `from_dicts`, `from_parquet` or `from_padded`; the constructor is the fast
+    path for code that already has the arrays. It checks shapes, types and bounds but does not copy: do not
+    modify the arrays afterwards.
 
     Parameters
     ----------
     schema : Schema
-        What the columns of ``matrix`` and ``arguments`` mean.
+        The meaning of the columns of ``matrix`` and ``arguments``.
     matrix : (n_rows, schema.width) float array
         One row per object; NaN where undefined. Angles are brought to (-pi, pi].
     rows : (n_refs,) int array
@@ -47,7 +47,7 @@ class Scenes:
     starts, counts : (n_scenes,) int arrays
         Scene ``i`` contains the objects ``rows[starts[i] : starts[i] + counts[i]]``.
     arguments : (n_scenes, k) int array, optional
-        Object rows bound to the parameters of the schema, -1 = none. May be left out if ``k`` is 0.
+        Object rows bound to the parameters of the schema, -1 = none. May be omitted if ``k`` is 0.
     scene_ids : (n_scenes,) array, optional
         Integers or strings. Default: 0, 1, 2, ...
     object_ids : (n_rows,) array, optional
@@ -172,7 +172,7 @@ class Scenes:
         return scenes
 
     def __getitem__(self, key: _Key | tuple[_Key, EllipsisType]) -> Scenes:
-        """Return the scene or scenes at ``key``, always as `Scenes`; see `take`."""
+        """Return the scene or scenes at ``key`` as `Scenes`; see `take`."""
         if isinstance(key, tuple) and len(key) == 2 and key[1] is Ellipsis:
             key = key[0]
         if isinstance(key, slice):
@@ -180,13 +180,13 @@ class Scenes:
         return self.take(np.atleast_1d(np.asarray(key)))
 
     def __iter__(self) -> Iterator[Scenes]:
-        """Go through the scenes one by one, each as `Scenes` of length 1."""
+        """Iterate over the scenes, each as `Scenes` of length 1."""
         return (self.take(np.array([position])) for position in range(len(self)))
 
     def __array__(self, dtype: object = None, copy: object = None) -> NoReturn:
-        """Refuse to become an array: NumPy would unpack the scenes without end."""
+        """Refuse conversion to an array: NumPy would unpack the scenes endlessly."""
         raise TypeError(
-            "Scenes cannot become one array: use scenes.matrix, scenes.values[name] or scenes.take"
+            "Scenes cannot be converted to an array: use scenes.matrix, scenes.values[name] or scenes.take"
         )
 
     @classmethod
@@ -204,26 +204,27 @@ class Scenes:
         Parameters
         ----------
         frame : pandas, polars or pyarrow table
-            Any eager table that narwhals knows. Rows of a scene may be scattered.
+            Any eager table that narwhals supports. The rows of a scene need not be adjacent.
         scene : str
-            Column of scene ids, integers or strings. Scenes stand in order of first appearance.
+            Column of scene ids: integers, strings, dates or times (these become ISO 8601 text). Scenes are
+            in order of first appearance.
         object : str, optional
-            Column of object ids, integers or strings, different within a scene. A row with a null id stands
-            for a scene without objects. Default: objects are numbered within their scene.
+            Column of object ids, different within a scene. A row with a null id represents a scene without
+            objects. Default: objects are numbered within their scene.
         attributes : mapping of str or Attribute to str or sequence of str
             The column or columns of each attribute. A plain name gets the defaults of `Attribute` with one
             dimension per column. Nulls and NaN are undefined components; one of them makes the attribute
-            undefined for questions. Angles are brought to (-pi, pi].
+            undefined for questions. Text must spell numbers. Angles are brought to (-pi, pi].
         arguments : sequence of str
-            Columns that hold the id of one of the scene's objects, or null for none, constant within a scene.
+            Columns with the id of one of the scene's objects, or null for none, constant within a scene.
             They become the parameters of the schema.
 
         Raises
         ------
         InputError
-            If columns are missing or hold anything but numbers and ids, ids are repeated, an argument differs
-            within a scene or is none of its objects, or the table is empty. The message names scene, object
-            and column.
+            If columns are missing or contain values that are not numbers or ids, ids are repeated or may
+            have lost digits as floats, an argument differs within a scene or is not one of its objects, or
+            the table is empty. The message names scene, object and column.
 
         Examples
         --------
@@ -242,9 +243,8 @@ class Scenes:
         ----------
         records : iterable of mappings
             ``{"id": 7, "objects": [{"id": "a", "location": [0.0, 1.0]}, ...], "arguments": {"passer":
-            "a"}}``. The ids may be left out everywhere (scenes and objects are then numbered from 0), and so
-            may ``arguments``. An attribute that is missing or None is undefined, as is a component that is
-            None.
+            "a"}}``. The ids may be omitted everywhere (scenes and objects are then numbered from 0), and so
+            may ``arguments``. An attribute or component that is missing or None is undefined.
         schema : Schema, optional
             Default: attributes and arguments in order of first appearance, dimensions from the values.
 
@@ -265,12 +265,12 @@ class Scenes:
         mask: str = "mask",
         arguments: str = "arguments",
     ) -> Scenes:
-        """Make scenes from padded arrays, as Gymnasium's `Dict` observations hold them.
+        """Make scenes from padded arrays, as in Gymnasium's `Dict` observations.
 
         Parameters
         ----------
         observation : mapping of str to array
-            The mask, (n_scenes, n_slots), tells which slots hold an object; each attribute is an array of
+            The mask, (n_scenes, n_slots), marks the slots that hold an object; each attribute is an array of
             shape (n_scenes, n_slots) or (n_scenes, n_slots, dim). All without the first axis for a single
             scene.
         schema : Schema, optional
@@ -287,7 +287,7 @@ class Scenes:
 
         Notes
         -----
-        Objects have their slot as id; what empty slots hold does not matter.
+        Objects have their slot as id; the content of empty slots is ignored.
         """
         return cls(*arrays_from_padded(observation, schema=schema, mask=mask, arguments=arguments))
 
@@ -307,7 +307,7 @@ class Scenes:
         ----------
         path : path
             A file written by `to_parquet`, which needs no keywords, or any long table; or a folder of Parquet
-            files with the same columns. Columns that are not named do not matter.
+            files with the same columns. Only the named columns are read.
         scene, object, attributes, arguments
             As for `from_frame`.
 
@@ -316,7 +316,7 @@ class Scenes:
         InputError
             If the file is missing or damaged, or keywords are missing; and as for `from_frame`.
         ModelFormatError
-            If the file was written by `to_parquet` of a newer version, or changed or damaged since.
+            If the file was written by `to_parquet` of a newer version, or was changed or damaged since.
         """
         file = open_parquet(path)
         if scene is None and object is None and attributes is None and not arguments and is_own(file):
@@ -335,13 +335,14 @@ class Scenes:
     def to_parquet(self, path: str | PathLike[str]) -> None:
         """Write the scenes to a Parquet file, whole or not at all.
 
-        The file is a long table (see `from_frame`) that other tools can read; `from_parquet` brings back the
-        same scenes, ids and shared objects, as `compact` would give them.
+        The file is a long table (see `from_frame`) that other tools can read; `from_parquet` returns the
+        same scenes, ids and shared objects, as `compact` would. Checksums reveal damage.
 
         Raises
         ------
         InputError
-            If ids within a scene are not different, or an argument is bound to an object of another scene.
+            If two objects of a scene have the same id, an argument is bound to an object of another scene, or
+            the file cannot be written.
         """
         write_table(path, sealed(to_table(self.parts)))
 
@@ -359,10 +360,10 @@ class Scenes:
         attribute : str or Attribute
             The new attribute; a plain name gets the defaults of `Attribute`.
         function : callable
-            Given one (n_rows, dim) array per name in ``of``, returns (n_rows,) or (n_rows, d) numbers, NaN
+            Takes one (n_rows, dim) array per name in ``of`` and returns (n_rows,) or (n_rows, d) numbers, NaN
             where undefined; `relforest.scenes.extent_ratio` is an example.
         of : str or sequence of str
-            The attributes that the function is given.
+            The attributes passed to the function.
 
         Raises
         ------
@@ -372,12 +373,12 @@ class Scenes:
         return Scenes(*add_attribute(self.parts, attribute, function, of))
 
     def with_matrix(self, matrix: FloatArray) -> Scenes:
-        """Return the same scenes with other attribute values: the fast path of simulated worlds.
+        """Return the same scenes with other attribute values: the fast path for simulated worlds.
 
         Parameters
         ----------
         matrix : (n_rows, schema.width) float64 array
-            Finite or NaN, angles in (-pi, pi]; neither is checked. It is not copied and becomes read-only.
+            Finite or NaN, angles in (-pi, pi]; neither is checked. Not copied, but made read-only.
 
         Raises
         ------
@@ -394,7 +395,7 @@ class Scenes:
         return scenes
 
     def __eq__(self, other: object) -> bool:
-        """Whether both batches hold the same scenes in the same layout; undefined values are equal."""
+        """Return whether both batches have the same scenes in the same layout; undefined values are equal."""
         if not isinstance(other, Scenes):
             return NotImplemented
         return self.schema == other.schema and all(
@@ -405,7 +406,7 @@ class Scenes:
     __hash__ = None  # type: ignore[assignment]  # compared by value, and values are arrays
 
     def compact(self) -> Scenes:
-        """Return the same scenes without the object rows that none of them contains (`take` keeps those)."""
+        """Return the same scenes without unused object rows, which `take` keeps."""
         return Scenes(*compact(self.parts))
 
     def _positions(self, indices: ArrayLike) -> IntArray:

@@ -1,4 +1,4 @@
-"""Columns of a data frame as arrow arrays, and the codes of identifiers."""
+"""Columns of data frames as arrow arrays, and codes of identifiers."""
 
 from __future__ import annotations
 
@@ -43,22 +43,21 @@ def listed(values: Sequence[object], shown: int = 8) -> str:
 
 
 def check_named(columns: Sequence[str], available: Sequence[str], origin: str) -> None:
-    """Check that each column is there exactly once; other columns do not matter.
+    """Check that each column occurs exactly once; other columns are ignored.
 
     Raises
     ------
     InputError
-        If a column is missing or ambiguous; the message lists what there is.
+        If a column is missing or ambiguous; the message lists the available ones.
     """
     for name in columns:
         if not isinstance(name, str):
-            raise InputError(f"columns are named by strings, got {name!r}")
+            raise InputError(f"column names must be strings, got {name!r}")
         found = available.count(name)
         if not found:
-            raise InputError(
-                f"no column {name!r} in {origin}: it has {listed(available, _SHOWN) or 'no columns'}"
-                f"{encoding_hint(map(str, available))}"
-            )
+            known = listed(available, _SHOWN) or "no columns"
+            hint = encoding_hint(map(str, available))
+            raise InputError(f"column {name!r} is missing from {origin}, which has {known}{hint}")
         if found > 1:
             raise InputError(f"{found} columns of {origin} are named {name!r}: rename all but one")
 
@@ -69,8 +68,8 @@ def open_frame(frame: object, columns: Sequence[str]) -> Frame:
     Raises
     ------
     InputError
-        If the object is not such a table, is lazy or empty, or lacks a column; the message lists what there
-        is.
+        If the object is not such a table, is lazy or empty, or lacks a column; the message lists the
+        available ones.
     """
     try:
         table = cast("Frame", nw.from_native(cast("Any", _only_named(frame, columns)), eager_only=True))
@@ -81,7 +80,7 @@ def open_frame(frame: object, columns: Sequence[str]) -> Frame:
         ) from error
     check_named(columns, table.columns, "the table")
     if len(table) == 0:
-        raise InputError("the table has no rows: there must be at least one scene")
+        raise InputError("the table has no rows: at least one scene is needed")
     return table
 
 
@@ -100,7 +99,7 @@ def arrow_column(table: Frame, name: str) -> ArrowArray | None:
 
 
 def _only_named(frame: object, columns: Sequence[str]) -> object:
-    """Return a table without the columns that are not used: two of them may have the same name."""
+    """Return a table without unused columns, which may share a name; narwhals refuses those."""
     if isinstance(frame, pa.Table):
         available: list[Any] = frame.column_names
     elif nw.dependencies.is_pandas_dataframe(frame):

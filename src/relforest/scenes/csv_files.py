@@ -1,4 +1,4 @@
-"""CSV files as tables of text: what a field means is decided where it is used."""
+"""CSV files as tables of text; fields are interpreted where they are used."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ _LARGEST_BLOCK: Final = 2**31 - 1
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _CsvText:
-    """CSV text whose first row was read."""
+    """CSV text after its header was read."""
 
     data: bytes  # UTF-8
     origin: str
     names: tuple[str, ...]
     separator: str
     decimal: str | None
-    first_line: int  # the line after the names
+    first_line: int  # the line after the header
 
     def load(self, chosen: Sequence[str]) -> ArrowTable:
-        """Return columns as strings, exactly as they are written, and null where a field is empty."""
+        """Return columns as strings, exactly as written, with nulls for empty fields."""
         start = start_of_line(self.data, self.first_line)
         try:
             table = self._parse(start, chosen, _BLOCK)
@@ -53,7 +53,7 @@ class _CsvText:
             raise InputError(f"{self.origin} cannot be read as CSV: write it with shorter rows") from error
 
     def _parse(self, start: int, chosen: Sequence[str], block_size: int) -> ArrowTable:
-        # Names may repeat, places do not.
+        # Names may repeat, positions do not.
         places = [str(place) for place in range(len(self.names))]
         wanted = [str(self.names.index(name)) for name in chosen]
         body = pa.py_buffer(self.data)[start:]
@@ -75,13 +75,13 @@ class _CsvText:
         return table.rename_columns(list(chosen))
 
     def _check_quotes(self, start: int, n_rows: int) -> None:
-        """Look at each row if quotes may have swallowed some."""
+        """Check every row if quotes may have swallowed some."""
         n_lines = self.data.count(b"\n", start) + (not self.data.endswith(b"\n"))
         if n_rows != n_lines and self.data.find(b'"', start) >= 0:
             self._check_rows()
 
     def _check_rows(self) -> None:
-        """Raise an error that says what is wrong and where, if anything is."""
+        """Raise an error that names the first fault and its place, if there is one."""
         for row in csv_rows(self.data, self.separator, self.origin):
             complaint = wrong_length(row, len(self.names), self.separator)
             if complaint is not None:
@@ -90,7 +90,7 @@ class _CsvText:
 
 
 def open_csv(content: bytes, origin: str, dialect: Dialect) -> TableFile:
-    """Return the table in a CSV file whose first row names the columns.
+    """Return the table in a CSV file with a header.
 
     Raises
     ------

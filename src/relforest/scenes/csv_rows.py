@@ -1,4 +1,4 @@
-"""The rows of CSV text one by one, with their lines: for first lines, and for what is wrong with a file."""
+"""Rows of CSV text with their line numbers, for header lines and error messages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class CsvRow(NamedTuple):
     Attributes
     ----------
     line, last_line : int
-        The lines on which it begins and ends, from 1.
+        The lines where it begins and ends, from 1.
     fields : list of str
         Without quotes.
     """
@@ -34,20 +34,20 @@ def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = Fa
     Parameters
     ----------
     data : bytes
-        UTF-8; what is not valid becomes lone surrogates.
+        UTF-8; invalid bytes become lone surrogates.
     separator : str
-        What separates fields.
+        The field separator.
     origin : str
         The file, for messages.
     skip_blanks : bool
-        Whether blanks after a separator are left out.
+        Whether to drop blanks after a separator.
 
     Raises
     ------
     InputError
         If quotes are not closed, or a field is longer than 131072 characters.
     """
-    # Unless strict, a quote that is not closed swallows the rest of the file in silence.
+    # Without strict, an unclosed quote silently swallows the rest of the file.
     table = csv.reader(_lines(data), delimiter=separator, skipinitialspace=skip_blanks, strict=True)
     line = 1
     try:
@@ -65,7 +65,7 @@ def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = Fa
 
 
 def start_of_line(data: bytes, number: int) -> int:
-    """Return where in UTF-8 text the line of a number begins, from 1."""
+    """Return the offset in UTF-8 text of a line, given its number from 1."""
     return sum(
         len(line.encode("utf-8", "surrogateescape"))
         for line, _ in zip(_lines(data), range(number - 1), strict=False)
@@ -73,11 +73,11 @@ def start_of_line(data: bytes, number: int) -> int:
 
 
 def wrong_length(row: CsvRow, n_columns: int, separator: str) -> str | None:
-    """Return what is wrong with a row that has too few or too many fields."""
+    """Return a complaint about a row with too few or too many fields, None for other rows."""
     if len(row.fields) == n_columns:
         return None
     return (
-        f"there are {len(row.fields)} fields, but {n_columns} columns: complete the row, and quote fields "
+        f"the row has {len(row.fields)} of {n_columns} fields: complete the row, and quote fields "
         f"that contain the separator {separator!r}"
     )
 

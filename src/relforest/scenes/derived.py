@@ -1,4 +1,4 @@
-"""Attributes computed from attributes: how a user adds a unary mapping function of their own."""
+"""Attributes computed from attributes: a way to add custom unary mapping functions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def add_attribute(
     """Return the arrays with one more attribute; see `Scenes.derive`."""
     schema, names = parts.schema, (of,) if isinstance(of, str) else tuple(of)
     if not names:
-        raise InputError("of names the attributes that the function is given: name at least one")
+        raise InputError("of must name at least one attribute to pass to the function")
     name = attribute.name if isinstance(attribute, Attribute) else attribute
     if name in schema:
         raise InputError(f"the scenes already have an attribute {name!r}: give the derived one another name")

@@ -1,4 +1,4 @@
-"""How a text file writes tables: what separates fields, the decimal mark, the encoding."""
+"""How a text file writes tables: field separator, decimal mark and encoding."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ _SAMPLE_LENGTH: Final = 2**16
 @final
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    r"""How a CSV file is written; what is None is found out from the file.
+    r"""How a CSV file is written; options that are None are detected.
 
     Parameters
     ----------
     separator : str, optional
-        One character, or ``\\t`` or ``tab``. Default: a comma, semicolon, tab or bar, as the first line says.
+        One character, or ``\\t`` or ``tab``. Default: comma, semicolon, tab or bar, from the first line.
     decimal : {".", ","}, optional
-        Decimal mark. Default: a point, or a comma where no number can be meant otherwise.
+        Decimal mark. Default: a point, or a comma where values allow no other reading.
     encoding : str, optional
-        Name of the encoding. Default: UTF-8, or UTF-16 where the first bytes show it.
+        Name of the encoding. Default: UTF-8, or UTF-16 if the first bytes show it.
 
     Raises
     ------
     InputError
-        If an option has another value.
+        If an option is invalid.
     """
 
     separator: str | None = None
@@ -60,14 +60,14 @@ class Dialect:
 
 
 ANY_DIALECT: Final = Dialect()
-"""All is found out from the file."""
+"""Everything is detected."""
 
 
 def detected_separator(text: str) -> str:
     """Return the character that separates the fields of a CSV file, given its first lines.
 
-    It is one that splits the first row that is not blank. Where several do, it is one that splits the next
-    rows into as many fields, a comma if possible.
+    It must split the first row that is not blank. If several characters do, those that split the next rows
+    into as many fields are preferred, the comma first.
     """
     sample = text[:_SAMPLE_LENGTH]
     splitting = [mark for mark in _SEPARATORS if len(next(_rows(sample, mark), [])) > 1]

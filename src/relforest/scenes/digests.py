@@ -1,4 +1,4 @@
-"""Digests of columns, which tell a file that was changed or damaged from what was written."""
+"""Digests of columns, which reveal changes and damage to a file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["column_digest", "document_digest"]
 
 
 def column_digest(column: ArrowArray) -> str:
-    """Return 16 hexadecimal digits that depend on type, nulls and values, but not on how they are stored."""
+    """Return 16 hexadecimal digits that depend on type, nulls and values, but not on storage."""
     array = one_array(column)
     valid = pc.is_valid(array).to_numpy(zero_copy_only=False)
     digest = blake2b(np.packbits(valid).tobytes(), digest_size=8)

@@ -1,4 +1,4 @@
-"""Scenes from long data frames: one row per object, any library that narwhals knows."""
+"""Scenes from long data frames, one row per object, of any library that narwhals supports."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Objects:
-    """The rows of a table that are objects, scene after scene."""
+    """The table rows that are objects, scene by scene."""
 
     rows: IntArray  # (n_objects,) row numbers in the table
     scenes: IntArray  # (n_objects,) scene codes, ascending
@@ -42,7 +42,7 @@ class _Objects:
 @final
 @dataclass(frozen=True, slots=True)
 class FrameLayout:
-    """Which columns of a long table scenes are made of."""
+    """The columns of a long table that make up scenes."""
 
     scene: str
     object: str | None
@@ -109,25 +109,25 @@ def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
     Returns
     -------
     (n_scenes,) array
-        In order of the scenes' first appearance, aligned with `Scenes.from_frame`. Strings that all spell an
-        integer, a boolean or a number, each in one way, become such values.
+        In order of the scenes' first appearance, aligned with `Scenes.from_frame`. Strings become
+        integers, booleans or floats if all of them are such values in their usual spelling.
 
     Raises
     ------
     InputError
-        If a value is missing, differs within a scene, or the column mixes types.
+        If a value is missing or differs within a scene, or the column mixes types.
     """
     table = open_frame(frame, [scene, column])
     scenes = _scene_codes(table, scene)
     values = arrow_column(table, column)
     if values is None or not (is_numeric(values.type) or is_text(values.type)):
         found = "mixed types" if values is None else values.type
-        raise InputError(f"column {column!r} holds {found}: it must hold numbers, booleans or strings")
+        raise InputError(f"column {column!r} contains {found}: it must contain numbers, booleans or strings")
     chosen = _constant_values(values, scenes, column)
     missing = np.flatnonzero(pc.is_null(chosen).to_numpy(zero_copy_only=False))
     if missing.size:
         name = plain(scenes.ids[missing[0]])
-        raise InputError(f"column {column!r} has no value in scene {name!r}: fill it in or drop the scene")
+        raise InputError(f"column {column!r} lacks a value in scene {name!r}: fill it in or drop the scene")
     array = cast("NDArray[Any]", chosen.to_numpy(zero_copy_only=False))
     return parsed_labels(array) if array.dtype == object else array
 
@@ -144,7 +144,7 @@ def _attribute_layout(attributes: AttributeColumns) -> tuple[tuple[Attribute, tu
         columns = (value,) if isinstance(value, str) else tuple(value or ())
         name = key.name if isinstance(key, Attribute) else key
         if not columns:
-            raise InputError(f"attribute {name!r} is mapped to no column: name one column per component")
+            raise InputError(f"attribute {name!r} is not mapped to a column: name one column per component")
         attribute = key if isinstance(key, Attribute) else Attribute(key, len(columns))
         if attribute.dim != len(columns):
             raise InputError(
@@ -158,7 +158,7 @@ def _parameter_names(arguments: Sequence[str], object_column: str | None) -> tup
     if isinstance(arguments, str):
         raise InputError(f"arguments must be a sequence of column names, got a string: write [{arguments!r}]")
     if arguments and object_column is None:
-        raise InputError("arguments hold object ids: name the column of object ids with object=")
+        raise InputError("arguments contain object ids: name the column of object ids with object=")
     return tuple(arguments)
 
 
@@ -166,7 +166,9 @@ def _scene_codes(table: Frame, scene: str) -> Codes:
     scenes = encode(id_column(table, scene))
     missing = np.flatnonzero(scenes.codes < 0)
     if missing.size:
-        raise InputError(f"row {missing[0]} has no scene id (column {scene!r}): every row belongs to a scene")
+        raise InputError(
+            f"row {missing[0]} lacks a scene id (column {scene!r}): every row belongs to a scene"
+        )
     return scenes
 
 
@@ -181,7 +183,7 @@ def _locator(scenes: Codes, object_ids: ArrowArray | None) -> Locate:
 
 
 def _group(scenes: Codes, object_ids: ArrowArray | None, matrix: FloatArray) -> _Objects:
-    """Bring the objects of a scene together, in row order; placeholders of empty scenes are left out."""
+    """Bring the objects of a scene together, in row order, without placeholders of empty scenes."""
     is_object = np.ones(len(matrix), dtype=np.bool_)
     if object_ids is not None:
         is_object = pc.is_valid(object_ids).to_numpy(zero_copy_only=False)
@@ -200,14 +202,14 @@ def _group(scenes: Codes, object_ids: ArrowArray | None, matrix: FloatArray) -> 
 
 
 def _check_placeholders(scenes: Codes, is_object: NDArray[np.bool_], matrix: FloatArray) -> None:
-    """Check that a row without object id, which stands for an empty scene, is bare and alone in its scene."""
+    """Check that a row without object id, which represents an empty scene, has no values and no company."""
     sizes = np.bincount(scenes.codes, minlength=len(scenes))
     with_values = ~np.isnan(matrix).all(axis=1)
     wrong = np.flatnonzero(~is_object & (with_values | (sizes[scenes.codes] > 1)))
     if wrong.size:
         raise InputError(
-            f"row {wrong[0]} of scene {plain(scenes.ids[scenes.codes[wrong[0]]])!r} has no object id: give "
-            "the object an id (only a scene without objects has a single row without id and values)"
+            f"row {wrong[0]} of scene {plain(scenes.ids[scenes.codes[wrong[0]]])!r} lacks an object id: "
+            "give the object an id (only a scene without objects is a single row without id and values)"
         )
 
 
@@ -221,7 +223,7 @@ def _constant_values(values: ArrowArray, scenes: Codes, column: str) -> ArrowArr
         scene = scenes.codes[row]
         raise InputError(
             f"column {column!r} has the values {values[int(first[scene])].as_py()!r} and "
-            f"{values[row].as_py()!r} in scene {plain(scenes.ids[scene])!r}: it must have one value per "
-            "scene"
+            f"{values[row].as_py()!r} in scene {plain(scenes.ids[scene])!r}: it must be the same in all "
+            "rows of a scene"
         )
     return values.take(pa.array(first))

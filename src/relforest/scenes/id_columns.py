@@ -1,4 +1,4 @@
-"""Columns of identifiers, read as they are written: two that differ there never become one."""
+"""Columns of identifiers, read as written: different spellings stay different."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from relforest.support.errors import InputError
 
 __all__ = ["id_column"]
 
-# From here on, neighbouring integers are the same float.
+# From here on, neighbouring integers can be the same float.
 _FIRST_INEXACT: Final = {pa.float16(): 2**11, pa.float32(): 2**24, pa.float64(): 2**53}
 _REMEDY: Final = "convert the column to strings"
 
@@ -47,9 +47,11 @@ def id_column(table: Frame, name: str) -> ArrowArray:
         if is_text(kind) or types.is_binary(kind) or types.is_large_binary(kind):
             return pc.cast(column, pa.large_string())
     except pa.ArrowException as error:
-        raise InputError(f"column {name!r} holds {kind} values that cannot be text: {_REMEDY}") from error
+        raise InputError(
+            f"column {name!r} contains {kind} values that cannot be converted to text: {_REMEDY}"
+        ) from error
     raise InputError(
-        f"column {name!r} holds {kind}, but ids are integers, strings, dates or times: {_REMEDY}"
+        f"column {name!r} contains {kind}, but ids are integers, strings, dates or times: {_REMEDY}"
     )
 
 
@@ -67,15 +69,15 @@ def _whole(column: ArrowArray, name: str) -> ArrowArray:
     inexact = np.flatnonzero(np.abs(values) >= first_inexact)
     if inexact.size:
         raise InputError(
-            f"column {name!r} holds the float {values[inexact[0]]:.0f} in row {inexact[0]}, but floats are "
-            f"exact only below {first_inexact}, so digits of this id may be lost already: read the column as "
+            f"column {name!r} contains the float {values[inexact[0]]:.0f} in row {inexact[0]}, but floats "
+            f"are exact only below {first_inexact}, so this id may have lost digits: read the column as "
             "integers (in pandas, dtype 'Int64') or strings"
         )
     broken = np.flatnonzero(values != np.floor(values))
     broken = broken[~np.isnan(values[broken])]
     if broken.size:
         raise InputError(
-            f"column {name!r} holds {values[broken[0]]} in row {broken[0]}, but ids are whole numbers or "
+            f"column {name!r} contains {values[broken[0]]} in row {broken[0]}, but ids are whole numbers or "
             f"strings: {_REMEDY}"
         )
     return pc.cast(column, pa.int64())

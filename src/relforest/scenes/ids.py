@@ -30,7 +30,7 @@ def as_ids(what: str, values: object) -> IdArray:
         If the values are of another type, beyond 64 bits, or integers and strings are mixed.
     """
     if isinstance(values, np.ma.MaskedArray):
-        raise InputError(f"{what} must not be a masked array: every identifier must be given")
+        raise InputError(f"{what} must not be a masked array: pass a plain one")
     if isinstance(values, (list, tuple)):
         # NumPy would turn the numbers of a mixed list into strings.
         values = _from_sequence(what, list(values))

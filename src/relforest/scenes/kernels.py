@@ -16,9 +16,9 @@ def first_misfit(
     arguments: NDArray[np.int64],
     last_scene: NDArray[np.int64],
 ) -> tuple[int, int]:
-    """First scene that holds an object row twice, or whose argument is none of its objects.
+    """Find the first scene that contains an object row twice or binds an argument to a row it lacks.
 
-    Returns the scene and the row, (-1, -1) if there is none. `last_scene` (n_rows,) is work space, all -1.
+    Returns the scene and the row, or (-1, -1). `last_scene` (n_rows,) is work space, all -1.
     """
     for scene in range(len(starts)):
         for row in rows[starts[scene] : starts[scene] + counts[scene]]:

@@ -1,4 +1,4 @@
-"""Labels written as text: values where nothing is lost by it, and otherwise the text itself."""
+"""Labels written as text: converted to values where that loses nothing, otherwise kept."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 __all__ = ["parsed_label", "parsed_labels"]
 
-# One spelling at a time: where two are mixed, they are different texts.
+# One spelling at a time: if spellings are mixed, they are different labels.
 _BOOLEANS: Final = (
     {"false": False, "true": True},
     {"False": False, "True": True},
@@ -23,7 +23,7 @@ def parsed_labels(labels: NDArray[Any]) -> NDArray[Any]:
     Parameters
     ----------
     labels : (n,) object array
-        Unchanged if it holds anything but strings, or strings that are not all such values, as ``01``.
+        Returned unchanged unless all entries are such strings, which ``01`` is not.
     """
     texts = set(labels.tolist())
     if not texts or not all(isinstance(text, str) for text in texts):
@@ -44,7 +44,7 @@ def parsed_label(text: str) -> bool | int | float | str:
 
 
 def _spelled(texts: set[str], kind: type[int | float]) -> dict[str, int | float]:
-    """Return the numbers among texts that are written as Python would write them."""
+    """Return the numbers among texts that are spelled as Python spells them."""
     numbers = {}
     for text in texts:
         try:

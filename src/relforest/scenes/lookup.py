@@ -1,4 +1,4 @@
-"""Finding objects by their identifier within a scene, for whole batches at once."""
+"""Looking up objects by identifier within a scene, for whole batches at once."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ObjectIndex:
     positions: IntArray  # (n_refs,), where each key stood in the arrays that were indexed
 
     def find(self, scenes: IntArray, codes: IntArray) -> IntArray:
-        """Return the position of the object with each code in each scene, -1 where it is not there."""
+        """Return the position of the object with each code in each scene, -1 if absent."""
         if not len(self.keys):
             return np.full(len(scenes), -1)
         wanted = scenes * len(self.object_ids) + codes
@@ -100,7 +100,7 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
     ids = pa.array(index.object_ids, from_pandas=True)
     ids = pc.cast(ids, pa.large_string() if index.object_ids.dtype == object else pa.int64())
     if values.type != ids.type:
-        # Types may differ where no argument shows that ids are strings. Text can hold both: 07 is not 7.
+        # Types may differ, as where no argument reveals that ids are strings. As text, 07 is still not 7.
         ids, values = pc.cast(ids, pa.large_string()), pc.cast(values, pa.large_string())
     if is_text(ids.type) and all(map(_are_integers, (ids, values))):
         ids, values = (pc.replace_substring(texts, ".0", "") for texts in (ids, values))
@@ -113,12 +113,12 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
         scene = int(unbound[0])
         raise InputError(
             f"argument {parameter!r} of scene {plain(index.scene_ids[scene])!r} is "
-            f"{values[scene].as_py()!r}, which is no object of that scene (it has {index.describe(scene)}): "
-            "use the id of one of them, or null for none"
+            f"{values[scene].as_py()!r}, which is not an object of that scene (it has "
+            f"{index.describe(scene)}): use the id of one of them, or null for none"
         )
     return positions
 
 
 def _are_integers(texts: ArrowArray) -> bool:
-    """Return whether text is all integers: as they are, or with the ``.0`` of pandas where one is missing."""
+    """Return whether all texts are integers, or all with the ``.0`` that pandas adds if one is missing."""
     return any(pc.all(pc.match_substring_regex(texts, pattern)).as_py() for pattern in _INTEGERS)

@@ -23,7 +23,7 @@ MISSING: Final = (
     *("", "NA", "N/A", "n/a", "#N/A", "#N/A N/A", "#NA", "NaN", "-NaN", "nan", "-nan", "NULL", "null"),
     *("None", "<NA>", "-1.#IND", "-1.#QNAN", "1.#IND", "1.#QNAN"),
 )
-"""What stands in a column of numbers where a value is undefined."""
+"""Text that marks an undefined value in a column of numbers."""
 
 _TRUE: Final = ("true", "True", "TRUE")
 _FALSE: Final = ("false", "False", "FALSE")
@@ -35,15 +35,15 @@ _DECIMAL_KEY: Final = b"relforest.decimal"
 
 
 def with_decimal(table: ArrowTable, mark: str) -> ArrowTable:
-    """Return an arrow table of text that knows the decimal mark of its numbers."""
+    """Return an arrow table of text with the decimal mark of its numbers in the metadata."""
     return table.replace_schema_metadata({**(table.schema.metadata or {}), _DECIMAL_KEY: mark.encode()})
 
 
 def number_columns(table: Frame, names: Sequence[str], locate: Locate) -> FloatArray:
     """Return columns as float64 with NaN for nulls, shape (n, number of names).
 
-    In columns of text, `MISSING` stands for nulls. Their decimal mark is the one of `with_decimal`; if none
-    was named, it is the comma where the values allow no other reading.
+    In columns of text, the words of `MISSING` are nulls. The decimal mark is that of `with_decimal`; without
+    one it is a point, or a comma if the values allow no other reading.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def number_columns(table: Frame, names: Sequence[str], locate: Locate) -> FloatA
     names : sequence of str
         The columns.
     locate : callable
-        Row number -> words that say where a bad value is.
+        Row number -> a description of the place, for messages.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _parse(texts: Mapping[str, ArrowArray], decimal: str | None, locate: Locate)
 
 
 def _cast(column: ArrowArray) -> FloatArray | None:
-    """Return numbers that are plainly written, without a look at what each value says."""
+    """Return plainly written numbers, or None if a value is anything else."""
     try:
         return cast("FloatArray", pc.cast(column, pa.float64()).to_numpy(zero_copy_only=False))
     except pa.ArrowInvalid:
@@ -116,7 +116,7 @@ def _cast(column: ArrowArray) -> FloatArray | None:
 
 
 def _cleaned(column: ArrowArray) -> ArrowArray:
-    """Return text without blanks around it, null where a value is missing, and booleans as 0 and 1."""
+    """Return text stripped of blanks, with nulls for missing values and booleans as 0 and 1."""
     text = pc.utf8_trim_whitespace(column)
     for words, meaning in ((MISSING, None), (_TRUE, "1"), (_FALSE, "0")):
         found = pc.is_in(text, value_set=pa.array(words, text.type))
@@ -125,7 +125,7 @@ def _cleaned(column: ArrowArray) -> ArrowArray:
 
 
 def allow_only_commas(columns: Iterable[ArrowArray]) -> bool:
-    """Return whether all text can be numbers with a decimal comma, and some of it nothing else.
+    """Return whether all texts can be numbers with a decimal comma, and at least one can be nothing else.
 
     ``1,234`` may also be a thousand in groups of three digits.
     """
@@ -138,12 +138,12 @@ def allow_only_commas(columns: Iterable[ArrowArray]) -> bool:
 
 
 def _complaint(value: str, name: str, where: str, decimal: str | None) -> str:
-    complaint = f"column {name!r} holds {value!r} in {where}, which is not a number"
+    complaint = f"column {name!r} contains {value!r} in {where}, which is not a number"
     if decimal == ",":
-        return f"{complaint} with a decimal comma: correct it, or leave out decimal="
+        return f"{complaint} with a decimal comma: correct it, or omit decimal="
     if decimal is None and "," in value:
         return f"{complaint}: if the comma is the decimal mark, pass decimal=',' (--decimal ,)"
-    return f"{complaint}: correct it, or leave the field empty where a value is undefined"
+    return f"{complaint}: correct it, or leave it empty if it is undefined"
 
 
 def _number(value: object, name: str, locate: Locate, row: int) -> float:
@@ -152,6 +152,6 @@ def _number(value: object, name: str, locate: Locate, row: int) -> float:
     if isinstance(value, (Real, Decimal, np.bool_)):
         return float(value)
     raise InputError(
-        f"column {name!r} holds {value!r} in {locate(row)}, which is not a number: convert the column to "
+        f"column {name!r} contains {value!r} in {locate(row)}, which is not a number: convert the column to "
         "numbers, with null or NaN where a value is undefined"
     )

@@ -20,7 +20,7 @@ def arrays_from_padded(
     """Read scenes from padded arrays; see `Scenes.from_padded`."""
     if mask not in observation:
         raise InputError(
-            f"no array {mask!r} among {', '.join(map(repr, observation))}: name the mask with mask="
+            f"array {mask!r} is missing from {', '.join(map(repr, observation))}: name it with mask="
         )
     present, batched = _read_mask(observation[mask], mask)
     slots = {
@@ -31,7 +31,7 @@ def arrays_from_padded(
     if schema is None:
         schema = Schema([Attribute(name, array.shape[2]) for name, array in slots.items()])
         if arguments in observation:
-            raise InputError(f"the array {arguments!r} binds arguments whose names are unknown: pass schema=")
+            raise InputError(f"the array {arguments!r} binds arguments of unknown names: pass schema=")
     _check_slots(schema, slots)
     matrix = np.concatenate([slots[name][present] for name in schema.names], axis=1)
     counts = present.sum(axis=1)
@@ -62,7 +62,7 @@ def _read_slots(name: str, values: ArrayLike, shape: tuple[int, ...], *, batched
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"the array {name!r} must hold numbers: {error}") from error
+        raise InputError(f"the array {name!r} must contain numbers: {error}") from error
     array = array if batched else array[np.newaxis]
     array = array[:, :, np.newaxis] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[:2] != shape:
@@ -81,9 +81,7 @@ def _check_slots(schema: Schema, slots: Mapping[str, FloatArray]) -> None:
             )
     for attribute in schema.attributes:
         if attribute.name not in slots:
-            raise InputError(
-                f"there is no array for attribute {attribute.name!r}: the observation must hold all of them"
-            )
+            raise InputError(f"the array of attribute {attribute.name!r} is missing from the observation")
         found = slots[attribute.name].shape[2]
         if found != attribute.dim:
             raise InputError(
@@ -102,13 +100,13 @@ def _read_arguments(
     """Turn slot numbers into object rows."""
     if name not in observation:
         raise InputError(
-            f"the schema has the arguments {', '.join(schema.parameters)}, but there is no array {name!r}"
+            f"the schema has the arguments {', '.join(schema.parameters)}, but array {name!r} is missing"
         )
     slots = np.asarray(observation[name])
     slots = slots if batched else slots[np.newaxis]
     if slots.shape != (len(present), schema.n_parameters) or slots.dtype.kind not in "iu":
         raise InputError(
-            f"the array {name!r} must hold a slot number for each argument, shape ({len(present)}, "
+            f"the array {name!r} must contain a slot number for each argument, shape ({len(present)}, "
             f"{schema.n_parameters}), got {slots.dtype} {slots.shape}"
         )
     rows = np.where(present, np.cumsum(present).reshape(present.shape) - 1, -1)

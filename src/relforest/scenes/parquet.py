@@ -1,8 +1,8 @@
 """Scenes as Parquet files that other tools read as a long table and that come back exactly.
 
-A row of the table is one object in one scene (or a scene without objects). Two further columns number the
-scenes and the object rows, so that repeated scenes and shared objects survive; the schema stands in the
-file's metadata.
+A row of the table is one object in one scene (or a scene without objects). Two more columns number the
+scenes and the object rows, so that repeated scenes and shared objects survive; the file's metadata contain
+the schema and digests.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def to_table(parts: SceneArrays) -> ArrowTable:
     Raises
     ------
     InputError
-        If two objects of a scene have the same id, or an argument is no object of its scene: then ids would
-        not tell which object is meant.
+        If two objects of a scene have the same id, or an argument is not an object of its scene: ids would
+        be ambiguous.
     """
     parts = compact(parts)
     scenes = np.repeat(np.arange(len(parts.starts)), parts.counts)
@@ -86,7 +86,7 @@ def to_table(parts: SceneArrays) -> ArrowTable:
 
 
 def sealed(table: ArrowTable) -> ArrowTable:
-    """Return what `to_table` made with digests in its metadata, by which damage to a file is noticed."""
+    """Return a table of `to_table` with digests in its metadata, which reveal damage to a file."""
     document = json.loads(table.schema.metadata[_KEY])
     digests = {name: column_digest(table[name]) for name in table.column_names}
     digests[""] = document_digest(document)
@@ -104,7 +104,7 @@ def own_columns(file: TableFile) -> tuple[Schema, list[str]]:
     Raises
     ------
     ModelFormatError
-        If the metadata are not as `to_table` writes them.
+        If the metadata are invalid.
     """
     document = check_document(_parsed(file), format=FORMAT, version=VERSION, origin=file.origin)
     schema = Schema.from_dict(document.get("schema"))
@@ -115,12 +115,12 @@ def own_columns(file: TableFile) -> tuple[Schema, list[str]]:
 
 
 def read_own(file: TableFile) -> SceneArrays:
-    """Read what `to_table` made; the file may have further columns.
+    """Read a table of `to_table`; the file may have other columns too.
 
     Raises
     ------
     ModelFormatError
-        If the metadata or the numbering of scenes and objects is not as `to_table` writes it.
+        If the metadata or the numbering of scenes and objects is invalid, or a digest is wrong.
     """
     schema, names = own_columns(file)
     try:
@@ -146,7 +146,7 @@ def check_unchanged(file: TableFile, table: ArrowTable) -> None:
     document = _parsed(file)
     digests = document.pop(_DIGESTS, None) if isinstance(document, dict) else None
     if digests is None:
-        # Older versions wrote none.
+        # Earlier versions wrote none.
         return
     known = digests if isinstance(digests, dict) else {}
     checked = [name for name in table.column_names if name in known]
@@ -166,7 +166,7 @@ def _read_rows(table: ArrowTable, schema: Schema, names: list[str]) -> SceneArra
     is_object = objects.codes >= 0
     first = _check_numbering(scenes, rows, is_object)
     if scene_ids.null_count:
-        raise InputError("a scene has no id")
+        raise InputError("a scene lacks an id")
     scene_ids = scene_ids.take(pa.array(first)).to_numpy(zero_copy_only=False)
     rows = rows[is_object]
     _, seen = np.unique(rows, return_index=True)
@@ -184,7 +184,7 @@ def _read_rows(table: ArrowTable, schema: Schema, names: list[str]) -> SceneArra
 
 
 def _check_numbering(scenes: IntArray, rows: IntArray, is_object: NDArray[np.bool_]) -> IntArray:
-    """Return the first table row of each scene, once scenes and objects are numbered as they should be."""
+    """Return the first table row of each scene, after checking the numbering of scenes and objects."""
     steps = np.diff(scenes, prepend=-1)
     first = np.flatnonzero(steps)
     object_rows = np.unique(rows[is_object])
@@ -216,7 +216,7 @@ def _parsed(file: TableFile) -> Any:  # noqa: ANN401 - not checked yet
 
 
 def _column_names(schema: Schema) -> list[str]:
-    """Return the names of ids, attributes, arguments and numbering; one already taken gets underscores."""
+    """Return the names of ids, attributes, arguments and numbering, made unique by underscores."""
     wanted = ["scene", "object"]
     for attribute in schema.attributes:
         several = [f"{attribute.name}_{component}" for component in range(attribute.dim)]

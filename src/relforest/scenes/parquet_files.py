@@ -1,4 +1,4 @@
-"""Parquet files, or folders of them, as tables; nothing that a file says of itself is believed unchecked."""
+"""Parquet files, or folders of them, as tables, with damaged and hostile files in mind."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PARQUET_SUFFIXES: Final = (".parquet", ".pq")
 
 _ALLOWED_BYTES: Final = 2**28
 _ALLOWED_RATIO: Final = 1000
-# All that pyarrow may raise where a file is damaged.
+# Whatever pyarrow may raise for a damaged file.
 _BROKEN: Final = (
     ArithmeticError,
     AttributeError,
@@ -42,7 +42,7 @@ _BROKEN: Final = (
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _ParquetFile:
-    """A Parquet file, opened anew whenever something is read from it."""
+    """A Parquet file, reopened for every read."""
 
     content: str | bytes  # the path, or the bytes themselves
     origin: str
@@ -50,7 +50,7 @@ class _ParquetFile:
 
     @contextmanager
     def opened(self, categories: Sequence[str] = ()) -> Iterator[Any]:
-        """Open the file; whatever goes wrong while it is open becomes an `InputError`."""
+        """Open the file; any error while it is open becomes an `InputError`."""
         try:
             raw = pa.OSFile(self.content) if isinstance(self.content, str) else pa.BufferReader(self.content)
             with (
@@ -64,21 +64,21 @@ class _ParquetFile:
             raise
         except _BROKEN as error:
             raise InputError(
-                f"{self.origin} is not a readable Parquet file: it is damaged, cut off or in another format"
+                f"{self.origin} is not a readable Parquet file: it is damaged, truncated or in another format"
             ) from error
 
     def table_file(self) -> TableFile:
-        """Return the file with its columns known."""
+        """Return the file as a table with known columns."""
         with self.opened() as file:
             schema = file.schema_arrow
             return TableFile(self.origin, tuple(schema.names), self.load, dict(schema.metadata or {}))
 
     def load(self, chosen: Sequence[str]) -> ArrowTable:
-        """Return columns as they are stored, but categories as their values."""
+        """Return columns with their stored types, but categories as their values."""
         with self.opened() as file:
             texts = [name for name in chosen if _is_text(file.schema_arrow.field(name).type)]
             self._check_size(_claimed_size(file.metadata, len(chosen)))
-        # A long string that is often repeated may unpack to any size, but not as a category.
+        # Categories stay small even if a long string is repeated often.
         with self.opened(texts) as file:
             table = file.read(columns=list(chosen)).select(list(chosen))
             self._check_size(sum(_text_size(chunk) for column in table.columns for chunk in column.chunks))
@@ -117,7 +117,7 @@ def parquet_from_bytes(content: bytes, origin: str) -> TableFile:
 
 
 def _open_folder(folder: Path) -> TableFile:
-    """Open a folder as Spark and others write them; names that begin with a dot or a bar are not data."""
+    """Open a folder as written by Spark and others; hidden files and names like _SUCCESS are not data."""
     try:
         paths = sorted(path for path in folder.iterdir() if path.name[0] not in "._")
     except OSError as error:
@@ -136,7 +136,7 @@ def _open_folder(folder: Path) -> TableFile:
                 "folder must have the same columns"
             )
         if b"relforest" in file.metadata:
-            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one by one")
+            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one at a time")
 
     def load(chosen: Sequence[str]) -> ArrowTable:
         tables = [file.read(chosen) for file in files]
@@ -148,13 +148,13 @@ def _open_folder(folder: Path) -> TableFile:
 
 
 def _check_types(name: str, tables: Mapping[str, ArrowTable]) -> None:
-    """Check that a column has the same type in all files, but for those that have only nulls there."""
+    """Check that a column has the same type in all files, except where it has only nulls."""
     kinds = {origin: table.schema.field(name).type for origin, table in tables.items()}
     known = [(origin, kind) for origin, kind in kinds.items() if not pa.types.is_null(kind)]
     odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
     if odd:
         raise InputError(
-            f"column {name!r} holds {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: all "
+            f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: all "
             "files of a folder must have the same types"
         )
 
@@ -163,16 +163,16 @@ def _is_text(kind: ArrowType) -> bool:
     return is_text(kind) or pa.types.is_binary(kind) or pa.types.is_large_binary(kind)
 
 
-def _claimed_size(metadata: Any, n_columns: int) -> int:  # noqa: ANN401 - pyarrow ships no types
-    """Return how many bytes some columns take by what the file says of itself, where it says the most."""
-    # What it says of single columns is not asked: pyarrow ends the process where that is damaged.
+def _claimed_size(metadata: Any, n_columns: int) -> int:  # noqa: ANN401 - pyarrow has no type annotations
+    """Return the largest size in bytes of some columns that the file's metadata imply."""
+    # Metadata of single columns are not read: if those are damaged, pyarrow aborts the process.
     groups = [metadata.row_group(number) for number in range(metadata.num_row_groups)]
     n_rows = max(metadata.num_rows, sum(group.num_rows for group in groups))
     return int(max(8 * n_rows * n_columns, sum(group.total_byte_size for group in groups)))
 
 
 def _text_size(chunk: ArrowArray) -> int:
-    """Return how many bytes categories take as text."""
+    """Return the size of categories as text, in bytes."""
     if not pa.types.is_dictionary(chunk.type) or not _is_text(chunk.type.value_type):
         return 0
     lengths = pc.fill_null(pc.binary_length(chunk.dictionary), 0).to_numpy(zero_copy_only=False)

@@ -1,4 +1,4 @@
-"""Scenes from and to plain dictionaries, as they come out of JSON."""
+"""Scenes from and to plain dictionaries, as read from JSON."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _RECORD_KEYS = ("id", "objects", "arguments")
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Record:
-    """One scene as it was given."""
+    """One scene as given."""
 
     scene_id: object
     objects: tuple[Mapping[str, object], ...]
@@ -83,7 +83,7 @@ def arrays_to_dicts(parts: SceneArrays) -> list[dict[str, Any]]:
 
 
 def _defined_values(schema: Schema, row: FloatArray) -> dict[str, Any]:
-    """Return the attributes of one object that have a defined component; None stands for the others."""
+    """Return the attributes of one object with a defined component; undefined components are None."""
     values: dict[str, Any] = {}
     for attribute in schema.attributes:
         components = row[schema.columns(attribute.name)].tolist()
@@ -98,7 +98,7 @@ def _read_records(records: Iterable[Mapping[str, Any]]) -> list[_Record]:
         raise InputError(f"expected a list with one dictionary per scene, got {type(records).__name__}")
     given = list(records)
     if not given:
-        raise InputError("the list of scenes is empty: there must be at least one scene")
+        raise InputError("the list of scenes is empty: at least one is needed")
     for position, record in enumerate(given):
         if not isinstance(record, Mapping) or not isinstance(record.get("objects"), Sequence):
             raise InputError(
@@ -134,7 +134,7 @@ def _read_record(position: int, record: Mapping[str, Any]) -> _Record:
 
 def _all_or_none(what: str, have_id: list[bool]) -> None:
     if any(have_id) and not all(have_id):
-        raise InputError(f"some {what} have an 'id' and some do not: give one to all of them or to none")
+        raise InputError(f"some {what} have an 'id' and some do not: give all of them one, or none")
 
 
 def _infer_schema(scenes: list[_Record]) -> Schema:
@@ -150,10 +150,10 @@ def _infer_schema(scenes: list[_Record]) -> Schema:
     for name, attribute in found.items():
         if attribute is None:
             raise InputError(
-                f"attribute {name!r} has no value in any scene, so its dim is unknown: pass schema="
+                f"attribute {name!r} is undefined in all scenes, so its dim is unknown: pass schema="
             )
     if not found:
-        raise InputError("no object has an attribute, so the schema is unknown: pass schema=")
+        raise InputError("the objects lack attributes, so the schema is unknown: pass schema=")
     return Schema([attribute for attribute in found.values() if attribute is not None], parameters)
 
 
@@ -187,7 +187,7 @@ def _number(value: object, name: str, where: str) -> float:
         return np.nan
     if not isinstance(value, (Real, Decimal, np.bool_)):
         raise InputError(
-            f"{where}: {name!r} holds {value!r:.100}, which is not a number: use numbers, None if undefined"
+            f"{where}: {name!r} is {value!r:.100}, which is not a number: use numbers, None if undefined"
         )
     number = float(value)
     if np.isinf(number):
@@ -213,8 +213,8 @@ def _bind(scene: _Record, start: int, parameters: tuple[str, ...]) -> list[int]:
         is_id = isinstance(value, (int, np.integer, str)) and not isinstance(value, bool)
         if value is not None and not (is_id and value in rows):
             raise InputError(
-                f"argument {name!r} of {scene.name} is {value!r}, which is no object of that scene (it has "
-                f"{', '.join(repr(each) for each in rows) or 'none'}): use the id of one of them, or None"
+                f"argument {name!r} of {scene.name} is {value!r}, which is not an object of that scene (it "
+                f"has {', '.join(repr(each) for each in rows) or 'none'}): use the id of one of them, or None"
             )
     bound = (scene.arguments.get(name) for name in parameters)
     return [-1 if value is None else rows[value] for value in bound]

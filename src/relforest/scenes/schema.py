@@ -1,4 +1,4 @@
-"""What is known about objects: named attributes and the arguments of an action.
+"""The description of objects: named attributes and the arguments of an action.
 
 The names and defaults follow Palmer (2015), section 4.3: which mapping functions an attribute takes part in
 belongs to the schema, because every extra function costs significance in the test of a tree's candidate
@@ -74,7 +74,7 @@ class Attribute:
         _check_name("attribute", name)
         if name == "id":
             raise InputError(
-                "an attribute cannot be named 'id', which stands for an object's identifier: rename it"
+                "an attribute cannot be named 'id', the key of an object's identifier: rename it"
             )
         dim = at_least(f"dim of attribute {name!r}", dim, 1)
         checked = _resolve_kind(name, dim, kind)
@@ -129,7 +129,7 @@ class Schema:
     Raises
     ------
     InputError
-        If there is no attribute, or a name occurs twice.
+        If attributes are missing or a name occurs twice.
     """
 
     attributes: tuple[Attribute, ...]
@@ -170,7 +170,7 @@ class Schema:
         Raises
         ------
         InputError
-            If there is no such attribute; the message lists those that exist.
+            If the attribute does not exist; the message lists the existing ones.
         """
         for position, attribute in enumerate(self.attributes):
             if attribute.name == name:
@@ -187,11 +187,11 @@ class Schema:
         return slice(start, start + self[name].dim)
 
     def __getitem__(self, name: str) -> Attribute:
-        """Return attribute ``name``; `InputError` if there is none."""
+        """Return attribute ``name``; `InputError` if it does not exist."""
         return self.attributes[self.index(name)]
 
     def __contains__(self, name: object) -> bool:
-        """Tell whether an attribute has this name."""
+        """Return whether an attribute has this name."""
         return name in self.names
 
     def to_dict(self) -> dict[str, object]:

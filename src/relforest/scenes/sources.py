@@ -1,4 +1,4 @@
-"""Where data come from: paths and open files, compressed or not, and text in any encoding."""
+"""Sources of data: paths and open files, compressed or not, and text in any encoding."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Source = str | PathLike[str] | IO[Any]
 """A path, or a file that is open for reading."""
 
 _ENCODINGS: Final = "name one such as utf-8, utf-16, latin-1 or cp1252"
-# A `Path` makes one slash of two.
+# `Path` merges the two slashes.
 _ADDRESS: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
-# gzip is left to `unpacked`.
+# `unpacked` handles gzip.
 _COMPRESSED: Final = {b"BZh": "bz2", b"\x28\xb5\x2f\xfd": "zstd"}
 _MARKS: Final = (
     (b"\xef\xbb\xbf", "utf-8"),
@@ -33,7 +33,7 @@ _MARKS: Final = (
 
 
 def name_of(source: Source) -> str:
-    """Return what messages call a source."""
+    """Return the name of a source in messages."""
     if is_stream(source):
         name = getattr(source, "name", None)
         return name if isinstance(name, str) else f"the open {type(source).__name__}"
@@ -41,12 +41,12 @@ def name_of(source: Source) -> str:
 
 
 def checked_path(path: object) -> Path:
-    """Return the path of something that exists.
+    """Return an existing path.
 
     Raises
     ------
     InputError
-        If it is not a path, is empty or a web address, or leads to nothing.
+        If it is not a path, is empty or a web address, or does not exist.
     """
     if not isinstance(path, (str, PathLike)) or not isinstance(os.fspath(path), str):
         raise InputError(f"expected a path or an open file, got {type(path).__name__}")
@@ -58,7 +58,7 @@ def checked_path(path: object) -> Path:
     try:
         Path(text).stat()
     except FileNotFoundError as error:
-        raise InputError(f"there is no file {text}: check the path") from error
+        raise InputError(f"file {text} does not exist: check the path") from error
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not a valid path"
         raise InputError(f"{text} cannot be read: {reason}; check the path") from error
@@ -102,7 +102,7 @@ def utf8(data: bytes, encoding: str | None, origin: str) -> bytes:
     ----------
     data : bytes
     encoding : str or None
-        None = UTF-8, or UTF-16 or UTF-32 where the first bytes show it. UTF-8 is not checked here.
+        None = UTF-8, or UTF-16 or UTF-32 if the first bytes show it. UTF-8 is not checked here.
     origin : str
         The file, for messages.
 
@@ -113,7 +113,7 @@ def utf8(data: bytes, encoding: str | None, origin: str) -> bytes:
     """
     mark, found = next(((mark, name) for mark, name in _MARKS if data.startswith(mark)), (b"", None))
     if found is None and b"\0" in data[:2]:
-        # Text does not begin with a NUL, but every second byte of Latin letters in UTF-16 is one.
+        # Plain text does not begin like this, but in UTF-16 every other byte of Latin letters is NUL.
         found = "utf-16-be" if data[:1] == b"\0" else "utf-16-le"
     chosen = (found or "utf-8") if encoding is None else _codec(encoding, origin)
     if chosen not in {"utf-8", "utf-8-sig"}:
@@ -124,12 +124,12 @@ def utf8(data: bytes, encoding: str | None, origin: str) -> bytes:
 
 
 def decoded(data: bytes, encoding: str, origin: str) -> str:
-    """Return text that is valid in an encoding.
+    """Return decoded text.
 
     Raises
     ------
     InputError
-        If it is not; the message names line and byte.
+        If it is not valid in the encoding; the message names line and byte.
     """
     try:
         text = data.decode(encoding)
@@ -146,12 +146,12 @@ def decoded(data: bytes, encoding: str, origin: str) -> str:
 
 
 def is_broken(text: str) -> bool:
-    """Return whether text holds bytes that were not UTF-8."""
+    """Return whether text contains bytes that were not UTF-8."""
     return any("\udc80" <= character <= "\udcff" for character in text)
 
 
 def encoding_hint(names: Iterable[str]) -> str:
-    """Return what to add to a message that lists names, if some of them were not UTF-8."""
+    """Return advice to append to a message that lists names, if some of them were not UTF-8."""
     return "" if not any(map(is_broken, names)) else " (pass the encoding, which is not UTF-8)"
 
 
@@ -175,7 +175,7 @@ def _drained(stream: IO[Any], origin: str) -> str | bytes:
     except (OSError, ValueError) as error:
         raise InputError(f"{origin} cannot be read: {error}") from error
     if not isinstance(data, (str, bytes)):
-        raise InputError(f"{origin} gave {type(data).__name__} where text or bytes are needed")
+        raise InputError(f"{origin} returns {type(data).__name__} instead of text or bytes")
     return data
 
 
@@ -188,10 +188,10 @@ def _file_content(source: Source) -> bytes:
 
 def _encoded(text: str, origin: str) -> bytes:
     try:
-        # The mark keeps the text from being decoded once more.
+        # The mark prevents decoding a second time.
         return b"\xef\xbb\xbf" + text.encode()
     except UnicodeEncodeError as error:
-        raise InputError(f"{origin} holds {text[error.start]!r}, which is not a character") from error
+        raise InputError(f"{origin} contains {text[error.start]!r}, which is not a character") from error
 
 
 def _decompressed(data: bytes, codec: str, origin: str) -> bytes:

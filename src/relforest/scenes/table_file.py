@@ -1,4 +1,4 @@
-"""A table in a file of which only the columns that are used are read."""
+"""A table in a file; only the columns that are used are read."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ __all__ = ["TableFile"]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class TableFile:
-    """A table whose columns are known, but not read yet.
+    """A table with known columns that are read on demand.
 
     Parameters
     ----------
     origin : str
         The file, for messages.
     names : tuple of str
-        The columns, in order; those that are not used may have the same name.
+        The columns, in order; unused ones may share a name.
     load : callable
-        Returns an arrow table with the columns named, each of which is there once.
+        Returns an arrow table of the named columns, each of which occurs once.
     metadata : mapping of bytes to bytes
-        What a Parquet file says about itself.
+        The metadata of a Parquet file.
     """
 
     origin: str

@@ -34,21 +34,20 @@ def read_table(
     ----------
     source : path or open file
         A path ends in ``.csv``, ``.tsv``, ``.parquet`` or ``.pq``, perhaps followed by ``.gz``, ``.bz2`` or
-        ``.zst``, or is a folder of Parquet files. In a CSV file the first line names the columns. All of them
-        are read as text, exactly as it is written, and empty fields are nulls: what is a number is decided
-        by `Scenes.from_frame`, where ``NA``, ``NaN``, ``null`` and the like are undefined numbers.
+        ``.zst``, or is a folder of Parquet files. The first line of a CSV file names the columns. All fields
+        are read as text, exactly as written, and empty ones are nulls; `Scenes.from_frame` converts text to
+        numbers where it needs them, with ``NA``, ``NaN``, ``null`` and the like as undefined values.
     columns : sequence of str, optional
-        The columns to read; by default all whose names are different.
+        The columns to read. Default: all with a unique name.
     separator, decimal, encoding : str, optional
-        How a CSV file is written. Default: the separator is a comma, semicolon, tab or bar, as the first line
-        says; the decimal mark is a point, or a comma where no number can be meant otherwise; the encoding is
-        UTF-8, or UTF-16 where the first bytes show it.
+        How a CSV file is written. By default the separator is detected from the first line (comma,
+        semicolon, tab or bar), the decimal mark is a point, or a comma if the values allow no other reading,
+        and the encoding is UTF-8, or UTF-16 if the first bytes show it.
 
     Raises
     ------
     InputError
-        If the file does not exist, has another suffix, lacks a column or is damaged, or an option has another
-        value.
+        If the file does not exist, has another suffix, lacks a column or is damaged, or an option is invalid.
     """
     if isinstance(columns, str):
         raise InputError(f"columns must be a sequence of names, got a string: write [{columns!r}]")
