@@ -74,7 +74,7 @@ def test_scattered_rows_come_together_in_order_of_first_appearance(drawn: Drawn,
 
 def test_rows_of_a_bag_agree_about_its_label() -> None:
     points = np.zeros((3, 1))
-    with pytest.raises(InputError, match="row 3 labels bag 'a' otherwise than an earlier row"):
+    with pytest.raises(InputError, match="row 3 labels bag 'a' differently from an earlier row"):
         BagSet.from_instances(points, ["a", "b", "a"], np.array([True, True, False]))
 
 
@@ -88,7 +88,7 @@ def test_rows_of_a_bag_agree_about_its_label() -> None:
         (BAGS, [1, 0], None, "labels must be booleans, got int64"),
         (BAGS, [True], None, r"labels must have the shape \(2,\), one entry per bag, got \(1,\)"),
         (BAGS, [True, False], ["a"], r"bag_ids must have the shape \(2,\)"),
-        (BAGS, [True, False], ["a", "a"], "bag_ids hold 'a' twice"),
+        (BAGS, [True, False], ["a", "a"], "bag_ids contain 'a' twice"),
         (BAGS, [True, False], [0.5, 1.5], "bag_ids must be integers or strings"),
     ],
 )

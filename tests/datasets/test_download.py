@@ -160,8 +160,8 @@ def test_a_missing_file_is_told_how_to_get(cache: Path) -> None:
         get(cache)
     for remedy in (
         f"looked in {cache}",
-        "not been put on the web yet",
-        "RELFOREST_DATA to a folder that holds mil/bags.csv.gz",
+        "not available on the web yet",
+        "RELFOREST_DATA to a folder with mil/bags.csv.gz",
         "base_url or in RELFOREST_DATA_URL",
         "read_csv, read_c45 or read_arff",
         "a cupboard",
@@ -193,7 +193,7 @@ def test_a_wrong_file_in_the_folder_is_refused(
 ) -> None:
     monkeypatch.setenv("RELFOREST_DATA", str(tmp_path))
     (tmp_path / NAME).write_bytes(b"mine")
-    with pytest.raises(DataError, match=rf"{NAME} is not the published file.*replace it by the right file"):
+    with pytest.raises(DataError, match=rf"{NAME} is not the published file.*replace it with the right file"):
         get(cache)
 
 

@@ -121,9 +121,7 @@ def test_a_local_file_is_read_and_described(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_other_counts_than_known_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RELFOREST_DATA", str(DATA))
-    with pytest.raises(
-        DataError, match="not Few molecules: it holds 4 bags instead of 5, 7 instances instead"
-    ):
+    with pytest.raises(DataError, match="not Few molecules: it has 4 bags instead of 5, 7 instances instead"):
         read_published(replace(FEW, n_bags=5, n_instances=9), REGISTRY, data_home=None, base_url=None)
 
 
@@ -183,7 +181,7 @@ def test_eastbound_trains_may_have_another_label(
 def test_another_file_is_not_east_west(tmp_path: Path) -> None:
     path = tmp_path / "eastWest.arff"
     path.write_text(trains(20, 63), encoding="utf-8")
-    with pytest.raises(DataError, match="is not East-West: it holds 63 instances instead of 213"):
+    with pytest.raises(DataError, match="is not East-West: it has 63 instances instead of 213"):
         load_east_west(path)
     with pytest.raises(DataError, match=r"4 bags instead of 20.*2 attributes instead of 24"):
         load_east_west(DATA / "few_molecules.arff")

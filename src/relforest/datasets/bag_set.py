@@ -117,7 +117,7 @@ class BagSet:
         distinct, counts = np.unique(ids, return_counts=True)
         if len(distinct) < len(ids):
             repeated = plain(distinct[np.argmax(counts)])
-            raise InputError(f"bag_ids hold {repeated!r} twice: give every bag its own")
+            raise InputError(f"bag_ids contain {repeated!r} twice: give every bag its own")
         object.__setattr__(self, "bags", np.split(data.points, data.starts[1:-1]))
         object.__setattr__(self, "labels", labels)
         object.__setattr__(self, "bag_ids", ids)
@@ -157,8 +157,8 @@ class BagSet:
         odd = np.flatnonzero(positive != labels[codes])
         if odd.size:
             raise InputError(
-                f"row {odd[0] + 1} labels bag {ids[codes[odd[0]]]!r} otherwise than an earlier row does: all "
-                "rows of a bag need its label"
+                f"row {odd[0] + 1} labels bag {ids[codes[odd[0]]]!r} differently from an earlier row: all "
+                "rows of a bag need the same label"
             )
         return cls(np.split(points[grouped], starts[1:]), labels, ids, about)
 

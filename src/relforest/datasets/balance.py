@@ -37,7 +37,7 @@ class Candidates:
 
 
 def is_object(counts: NDArray[np.int64], n: int) -> NDArray[np.bool_]:
-    """Return (m, n) bool: which places of a padded array hold an object."""
+    """Return (m, n) bool: the slots of a padded array that hold an object."""
     holds: NDArray[np.bool_] = np.arange(n) < counts[:, np.newaxis]
     return holds
 
@@ -52,12 +52,12 @@ def balanced(rng: np.random.Generator, n_scenes: int, draw: Callable[[int], Cand
     n_scenes : int
         Number of scenes, at least 2.
     draw : callable
-        Returns as many candidates as its argument says, all with the same padding.
+        Returns the given number of candidates, all with the same padding.
 
     Raises
     ------
     InputError
-        If ``n_scenes`` is less than 2, or one of the labels hardly ever occurs.
+        If ``n_scenes`` is less than 2, or one of the labels is too rare.
     """
     n_scenes = at_least("n_scenes", n_scenes, 2)
     labels = np.arange(n_scenes) < n_scenes // 2

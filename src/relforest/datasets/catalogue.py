@@ -1,4 +1,4 @@
-"""What is known of the published sets of bags that Palmer (2015), section 3.3.2, compares on."""
+"""Facts about the published sets of bags of the comparison in Palmer (2015), section 3.3.2."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ _SETS: Final = (
         25,
         26611,
         8,
-        f"{_MIL_PACKAGE}, whose scaling was undone; rows of four bags equal those of Weka's file",
+        f"{_MIL_PACKAGE}, with its scaling undone; rows of four bags equal those of Weka's file",
         _LICENCE.format("package"),
         _THIOREDOXIN,
         "A bag is a protein, an instance a position of its sequence. Integers, the features on very "
@@ -164,7 +164,7 @@ EAST_WEST: Final = About(
     10,
     213,
     24,
-    "Weka's multi-instance data, of which we know no copy that can be passed on",
+    "Weka's multi-instance data; we do not know a copy that may be redistributed",
     "unknown",
     "Michie, Muggleton, Page and Srinivasan (1994), To the international computing community: a new "
     "East-West challenge, Oxford University Computing Laboratory",

@@ -125,7 +125,7 @@ def figure41_scenes(
     Raises
     ------
     InputError
-        If a number is out of range, or scenes of so many objects are hardly ever negative.
+        If a number is out of range, or scenes with this many objects are hardly ever negative.
 
     Notes
     -----
@@ -183,7 +183,7 @@ def yellow_scenes(
     Raises
     ------
     InputError
-        If a number is out of range, or scenes of so many objects are hardly ever negative.
+        If a number is out of range, or scenes with this many objects are hardly ever negative.
 
     Notes
     -----

@@ -1,6 +1,6 @@
 """The files of published data sets: from a folder of the user's, the cache, or a web address.
 
-Which of the three a file comes from makes no difference: its SHA-256 hash is known.
+The origin of a file does not matter: its SHA-256 hash is checked.
 """
 
 from __future__ import annotations
@@ -54,19 +54,19 @@ def data_file(
         Where the file is: ``mil/NAME`` or ``NAME`` in the folder of the environment variable
         ``RELFOREST_DATA``, if that is set and has it, or else the cache.
     content : bytes
-        What the file holds; its hash is the right one.
+        The content of the file, with the right hash.
 
     Raises
     ------
     DataError
-        If the file is nowhere and there is no address (then it is a `MissingDataError`), the download fails,
-        or the hash is wrong.
+        If the file is not found and no address is given (a `MissingDataError`), the download fails, or the
+        hash is wrong.
     """
     expected = registry[name]
     local = _local_folders()
     for path in (folder / name for folder in local):
         if path.is_file():
-            return path, _checked(path, expected, f"replace it by the right file, or unset {DATA_VARIABLE}")
+            return path, _checked(path, expected, f"replace it with the right file, or unset {DATA_VARIABLE}")
     cache = Path(pooch.os_cache("relforest") if data_home is None else data_home).expanduser()
     url = base_url or os.environ.get(URL_VARIABLE)
     path = cache / name
@@ -75,8 +75,8 @@ def data_file(
     elif not path.is_file():
         looked = ", ".join(map(str, (*local, cache)))
         raise MissingDataError(
-            f"{name} was not found (looked in {looked}) and has not been put on the web yet. If you have the "
-            f"file, set the environment variable {DATA_VARIABLE} to a folder that holds {_SUBFOLDER}/{name}, "
+            f"{name} was not found (looked in {looked}) and is not available on the web yet. If you have the "
+            f"file, set the environment variable {DATA_VARIABLE} to a folder with {_SUBFOLDER}/{name}, "
             f"or give an address to download from as base_url or in {URL_VARIABLE}; if you have another copy "
             f"of the data, read it with read_csv, read_c45 or read_arff. Source of the data: {source}"
         )
@@ -89,7 +89,7 @@ def _local_folders() -> tuple[Path, ...]:
 
 
 def _download(name: str, registry: Mapping[str, str], cache: Path, url: str) -> None:
-    """Bring a file into the cache unless it is there already, whole and right."""
+    """Download a file into the cache unless the right one is already there."""
     if not url.startswith(("http://", "https://")):
         raise DataError(f"the address {url!r} must begin with http:// or https://")
     fetcher = pooch.create(cache, f"{url.rstrip('/')}/", registry=dict(registry))

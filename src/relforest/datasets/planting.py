@@ -20,7 +20,7 @@ def plant(rng: np.random.Generator, positives: NDArray[np.float64], bags: NDArra
     positives : (n_bags, d) float64
         A positive point for every bag, used in the positive ones.
     bags : (n_bags, size, d) float64
-        Negative points; those that give way are overwritten.
+        Negative points; one in each positive bag is overwritten.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """The published sets of bags of Palmer (2015), section 3.3.2, by name.
 
-The files are not part of the package; `relforest.datasets.download` says where they are looked for.
+The files are not part of the package; `relforest.datasets.download` describes where they are looked for.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def fetch(name: str, *, data_home: Folder | None = None, base_url: str | None = 
     Raises
     ------
     InputError
-        If there is no such set.
+        If the set does not exist.
     DataError
         If its file is neither in the folder of the environment variable ``RELFOREST_DATA`` nor in the cache
         and cannot be downloaded, or is not the published one; the message says what to do.
@@ -100,7 +100,7 @@ def read_published(
 
 
 def fetch_musk1(*, data_home: Folder | None = None, base_url: str | None = None) -> BagSet:
-    """Musk 1: which of 92 molecules smell of musk, by the shapes that they take; options as in `fetch`."""
+    """Musk 1: which of 92 molecules smell of musk, by their shapes; options as in `fetch`."""
     return fetch("musk1", data_home=data_home, base_url=base_url)
 
 
@@ -150,9 +150,9 @@ def load_east_west(path: Folder, *, positive: str | None = None) -> BagSet:
     Parameters
     ----------
     path : path
-        The relational ARFF file; we know of no copy that could be fetched.
+        The relational ARFF file; we do not know a copy that could be fetched.
     positive : str, optional
-        The label of eastbound trains; by default ``"east"`` if the file has that, or else 1 of 1 and 0.
+        The label of eastbound trains; by default ``"east"`` if the file has it, otherwise 1 of 1 and 0.
 
     Returns
     -------
@@ -165,7 +165,7 @@ def load_east_west(path: Folder, *, positive: str | None = None) -> BagSet:
     InputError
         If the file cannot be read; see `read_arff`.
     DataError
-        If it does not hold 20 bags, 10 of them positive, of 213 instances with 24 attributes in all.
+        If it does not contain 20 bags, 10 of them positive, of 213 instances with 24 attributes in all.
 
     References
     ----------
@@ -176,7 +176,7 @@ def load_east_west(path: Folder, *, positive: str | None = None) -> BagSet:
 
 
 def _described(found: BagSet, about: About, n_features: int, origin: str) -> BagSet:
-    """Attach what is known of a data set, if its counts are right."""
+    """Attach the facts about a data set after checking its counts."""
     counts = {
         "bags": (len(found), about.n_bags),
         "positive bags": (found.n_positive, about.n_positive),
@@ -187,5 +187,5 @@ def _described(found: BagSet, about: About, n_features: int, origin: str) -> Bag
         f"{count} {what} instead of {right}" for what, (count, right) in counts.items() if count != right
     ]
     if wrong:
-        raise DataError(f"{origin} is not {about.title}: it holds {', '.join(wrong)}; use another copy")
+        raise DataError(f"{origin} is not {about.title}: it has {', '.join(wrong)}; use another copy")
     return replace(found, about=about)

@@ -36,7 +36,7 @@ def covariant1(
         Source of randomness.
     reading : {"sqrt2", "printed"}
         Coordinates of the means of the negatives, (-c, c) and (c, -c): c is the square root of 2, so that
-        they lie at distance 2 from the origin, or 2 as Table 3.1 prints it.
+        they lie at distance 2 from the origin, or 2 as printed in Table 3.1.
     n_bags : int
         Number of bags, at least 2; ``n_bags // 2`` of them are positive.
 
@@ -101,7 +101,7 @@ def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
 
 def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
-    """Draw bags of 10 points in the plane: positives in either of two clouds beside the negatives.
+    """Draw bags of 10 points in the plane: positives in either of two clouds next to the negatives.
 
     Parameters
     ----------

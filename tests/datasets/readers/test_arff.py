@@ -87,26 +87,26 @@ def test_instances_may_end_as_lines_of_any_system_do(write: Write, end: str) -> 
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        ('a,"1,x"', "line 9: there are 2 values, but a name, a bag and a label"),
-        ('a,"1,x",1,1', "line 9: there are 4 values"),
+        ('a,"1,x"', "line 9: 2 values instead of three: a name, a bag and a"),
+        ('a,"1,x",1,1', "line 9: 4 values instead of three"),
         ('a,"1,x",2', "line 9: the label '2' is not declared: add it to the attribute 'class'"),
         ('a,"1,x",1\nc,"1,x",0', "line 10: the name 'c' is not declared: add it to the attribute 'id'"),
-        (',"1,x",1', "line 9: the bag has no name"),
-        ("'',\"1,x\",1", "line 9: the bag has no name"),
-        ('a,"1,x",1\n\na,"1,x",1', "line 11: bag 'a' stands on line 9 already"),
+        (',"1,x",1', "line 9: the name of the bag is missing"),
+        ("'',\"1,x\",1", "line 9: the name of the bag is missing"),
+        ('a,"1,x",1\n\na,"1,x",1', "line 11: bag 'a' is already on line 9"),
         ('a,"1,w",1', "line 9: instance 1, attribute 'g': the value 'w' is not declared"),
-        ('a,"1,x\\n1.2.3,x",1', "line 9: instance 2, attribute 'f': '1.2.3' is no finite number"),
+        ('a,"1,x\\n1.2.3,x",1', "line 9: instance 2, attribute 'f': '1.2.3' is not a finite number"),
         ('a,"1,x\\n1",1', "line 9: instance 2 has 1 values, but 2 are declared"),
         ('a,"?,x",1', r"line 9: a value is missing \(\?\)"),
         ("a,?,1", r"line 9: a value is missing \(\?\)"),
-        ('a,"",1', "line 9: the bag has no instances"),
+        ('a,"",1', "line 9: the bag is empty"),
         ('{0 a, 1 "1,x", 2 1}', "line 9: sparse rows and weights"),
         ('a,"1,x",1,{5}', "line 9: sparse rows and weights"),
         ('a,"1,x",1 {5}', "line 9: sparse rows and weights"),
         ('a,"1,x,1', "line 9: a quote is not closed"),
         ("a,'1,x'y',1", 'line 9: a comma is missing before "y\',1"'),
         ('a b,"1,x",1', "line 9: a comma is missing before 'b,"),
-        ("% nothing", "holds no bags below @data"),
+        ("% nothing", "does not contain any bags after @data"),
     ],
 )
 def test_what_is_wrong_with_a_row_is_said(write: Write, row: str, message: str) -> None:
@@ -119,16 +119,16 @@ def test_what_is_wrong_with_a_row_is_said(write: Write, row: str, message: str) 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("@end bag\n", "", "line 7: '@data' cannot stand here"),
-        ("@end bag", "@fin bag", "line 6: '@fin' cannot stand here"),
-        ("@attribute id {a,b}\n", "", r"line 7: .* declared are 'bag' \(relational\), 'class' \(nominal\)"),
-        ("f numeric", "f string", "line 8: attribute 'f' of the instances is of type string"),
-        ("f numeric", "f date yyyy", "line 8: attribute 'f' of the instances is of type date"),
+        ("@end bag\n", "", "line 7: '@data' is not allowed here"),
+        ("@end bag", "@fin bag", "line 6: '@fin' is not allowed here"),
+        ("@attribute id {a,b}\n", "", r"line 7: .* declares 'bag' \(relational\), 'class' \(nominal\)"),
+        ("f numeric", "f string", "line 8: attribute 'f' of the instances has type string"),
+        ("f numeric", "f date yyyy", "line 8: attribute 'f' of the instances has type date"),
         ("f numeric", "f complex", "line 4: attribute 'f' has the type 'complex'"),
         ("f numeric", "f", "line 4: @attribute needs a name"),
-        ("g {x,y,z}", "g {x,y,z", "line 5: the values of attribute 'g' must stand between"),
-        ("@attribute f numeric\n@attribute g {x,y,z}\n", "", "line 6: the relational attribute 'bag' has no"),
-        ("relational", "numeric", "line 6: '@end' cannot stand here"),
+        ("g {x,y,z}", "g {x,y,z", "line 5: the values of attribute 'g' must be enclosed in"),
+        ("@attribute f numeric\n@attribute g {x,y,z}\n", "", "line 6: the relational attribute 'bag' lacks"),
+        ("relational", "numeric", "line 6: '@end' is not allowed here"),
     ],
 )
 def test_what_is_wrong_with_the_head_is_said(write: Write, old: str, new: str, message: str) -> None:
@@ -137,13 +137,13 @@ def test_what_is_wrong_with_the_head_is_said(write: Write, old: str, new: str, m
 
 
 def test_a_file_that_ends_in_its_head_is_refused(write: Write) -> None:
-    with pytest.raises(InputError, match="has no line @data: it is no ARFF file, or cut off"):
+    with pytest.raises(InputError, match="does not have an @data line: it is not an ARFF file, or trunc"):
         read_arff(write(HEAD.partition("@data")[0]))
 
 
 def test_a_flat_table_is_refused_with_a_hint(write: Write) -> None:
     flat = "@relation r\n@attribute id {a}\n@attribute f numeric\n@attribute class {0,1}\n@data\na,1,1\n"
-    with pytest.raises(InputError, match="For a flat table save it as CSV and use read_csv"):
+    with pytest.raises(InputError, match="Save a flat table as CSV and use read_csv"):
         read_arff(write(flat))
 
 

@@ -56,23 +56,23 @@ def test_a_number_may_name_an_instance_or_be_its_first_feature(write: Write) -> 
 
 
 def test_a_name_that_is_read_as_a_number_is_recognised(write: Write) -> None:
-    with pytest.raises(InputError, match=r"line 1: 'a1' is no finite number.* give instance_ids=True"):
+    with pytest.raises(InputError, match=r"line 1: 'a1' is not a finite number.* give instance_ids=True"):
         read_c45(write(NUMBERS), instance_ids=False)
-    with pytest.raises(InputError, match=r"line 1: 'x' is no finite number: correct it.* is missing$"):
+    with pytest.raises(InputError, match=r"line 1: 'x' is not a finite number: correct it.* is missing$"):
         read_c45(write("a,1,x,1.\n"), instance_ids=False)
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "holds no instances"),
-        ("| nothing\n\n", "holds no instances"),
-        ("a,a1,1,2,1.\na,a2,1,1.\n", "line 2: there are 1 features, but 2 above"),
+        ("", "does not contain any instances"),
+        ("| nothing\n\n", "does not contain any instances"),
+        ("a,a1,1,2,1.\na,a2,1,1.\n", "line 2: the line has 1 of 2 features"),
         ("a,a1,1.\n", "line 1: a line needs a bag, an instance, features and a label"),
-        ("a,a1,1,2,1.\n\nb,b1,?,2,0.\n", r"line 3: '\?' is no finite number"),
-        ("a,a1,1,inf,1.\n", "line 1: 'inf' is no finite number"),
+        ("a,a1,1,2,1.\n\nb,b1,?,2,0.\n", r"line 3: '\?' is not a finite number"),
+        ("a,a1,1,inf,1.\n", "line 1: 'inf' is not a finite number"),
         ("a,a1,1,2,1.\na,a2,1,2,0.\n", "line 2: bag 'a' is labelled '0' here and '1' above"),
-        (",a1,1,2,1.\n", "line 1: the bag has no name"),
+        (",a1,1,2,1.\n", "line 1: the name of the bag is missing"),
         ("a,a1,1,2,musk.\n", "ambiguous which of the labels 'musk' is positive: give positive='musk'"),
     ],
 )
@@ -129,7 +129,7 @@ def test_other_encodings_and_open_files_are_read(tmp_path: Path) -> None:
     assert read_c45(path, encoding="latin-1").bag_ids.tolist() == ["ü"]
     with path.open(encoding="latin-1") as file:
         assert read_c45(file).bag_ids.tolist() == ["ü"]
-    with pytest.raises(InputError, match=r"the open StringIO, line 1: '\?' is no finite number"):
+    with pytest.raises(InputError, match=r"the open StringIO, line 1: '\?' is not a finite number"):
         read_c45(io.StringIO("a,a1,?,1.\n"))
 
 

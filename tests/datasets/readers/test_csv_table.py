@@ -75,27 +75,27 @@ def test_bags_of_one_class_can_be_read(write: Write) -> None:
     [
         ("", "is empty: its first line must name the columns"),
         ("\n\n", "is empty: its first line must name the columns"),
-        (HEAD, "holds no instances"),
-        ("id,bag_label,f0\na,1,2\n", "has no column 'bag_id': it has 'id', 'bag_label', 'f0'; name one"),
-        ("bag_id,bag_label\na,1\n", "has no columns of features chosen beside 'bag_id' and"),
+        (HEAD, "does not contain any instances"),
+        ("id,bag_label,f0\na,1,2\n", "column 'bag_id' is missing from .*, which has 'id', 'bag_label', 'f0'"),
+        ("bag_id,bag_label\na,1\n", "columns of features are missing"),
         ("bag_id,bag_label,f0,f0\na,1,2,3\n", "has two columns 'f0'"),
-        (HEAD + "a,1,2,3\na,1,x,3\n", "line 3: column 'f0': 'x' is no finite number"),
-        (HEAD + "a,1,2,3\n\na,1,2,\n", "line 4: column 'f1': '' is no finite number"),
-        (HEAD + "a,1,2,nan\n", "line 2: column 'f1': 'nan' is no finite number"),
-        (HEAD + "a,1,-inf,0\n", "line 2: column 'f0': '-inf' is no finite number"),
-        (HEAD + "a,1,1_0,0\n", "line 2: column 'f0': '1_0' is no finite number"),
-        (HEAD + "a,1,2,3\na,1,2\n", "line 3: there are 3 fields, but 4 columns"),
-        (HEAD + "a,1,2,3\nb,0,1,2,3\n", "line 3: there are 5 fields, but 4 columns"),
+        (HEAD + "a,1,2,3\na,1,x,3\n", "line 3: column 'f0': 'x' is not a finite number"),
+        (HEAD + "a,1,2,3\n\na,1,2,\n", "line 4: column 'f1': '' is not a finite number"),
+        (HEAD + "a,1,2,nan\n", "line 2: column 'f1': 'nan' is not a finite number"),
+        (HEAD + "a,1,-inf,0\n", "line 2: column 'f0': '-inf' is not a finite number"),
+        (HEAD + "a,1,1_0,0\n", "line 2: column 'f0': '1_0' is not a finite number"),
+        (HEAD + "a,1,2,3\na,1,2\n", "line 3: the row has 3 of 4 fields"),
+        (HEAD + "a,1,2,3\nb,0,1,2,3\n", "line 3: the row has 5 of 4 fields"),
         (HEAD + "a,1,2,3\nb,0,2,3\na,0,4,5\n", "line 4: bag 'a' is labelled '0' here and '1' above"),
-        (HEAD + "a,1,2,3\n,0,2,3\n", "line 3: the bag has no name"),
+        (HEAD + "a,1,2,3\n,0,2,3\n", "line 3: the name of the bag is missing"),
         (HEAD + 'a,1,2,3\nb,0,2,"5 inch\nc,1,2,3\n', "line 3: a quote is not closed: close each"),
         (HEAD + 'a,1,2,3\nb,0,2,"5\nc,1,2,"6\n', "line 3: a quote is not closed"),
-        (HEAD + '"a\nb",1,2,x\n', "line 2: column 'f1': 'x' is no finite number"),
+        (HEAD + '"a\nb",1,2,x\n', "line 2: column 'f1': 'x' is not a finite number"),
         (
             ",bag_id,bag_label,f0\n0,a,1,2\n",
-            "column 1 has no name, so it looks like a row index: .*index=False",
+            "column 1 is unnamed, like a row index: .*index=False",
         ),
-        ("bag_id,bag_label,f0,\na,1,2,0\n", "column 4 has no name"),
+        ("bag_id,bag_label,f0,\na,1,2,0\n", "column 4 is unnamed"),
         (
             HEAD + "a,yes,2,3\nb,no,2,3\n",
             "labels 'no', 'yes' is positive: give positive='no' or positive='yes'",
@@ -145,7 +145,7 @@ def test_text_that_is_not_utf8_is_refused(write: Write) -> None:
 
 
 def test_files_that_cannot_be_opened_or_unpacked_are_named(tmp_path: Path, write: Write) -> None:
-    with pytest.raises(InputError, match=r"there is no file .*none\.csv"):
+    with pytest.raises(InputError, match=r"file .*none\.csv does not exist"):
         read_csv(tmp_path / "none.csv")
     with pytest.raises(InputError, match="is a folder: give the name of a file"):
         read_csv(tmp_path)
@@ -225,7 +225,7 @@ def test_a_comma_that_may_mean_two_things_needs_a_word(write: Write) -> None:
         InputError, match=r"line 2: column 'f0': '1,500' is .*: if the comma is the decimal mark"
     ):
         read_csv(write("bag_id;bag_label;f0\na;1;1,500\n"))
-    with pytest.raises(InputError, match=r"line 2: column 'f0': '1\.500' is no finite number"):
+    with pytest.raises(InputError, match=r"line 2: column 'f0': '1\.500' is not a finite number"):
         read_csv(write("bag_id;bag_label;f0\na;1;1.500\n"), decimal=",")
 
 
@@ -247,7 +247,7 @@ def test_columns_that_are_not_used_do_not_matter(write: Write) -> None:
 def test_open_files_are_read(write: Write) -> None:
     with write(HEAD + "a,1,2,3\n").open(encoding="utf-8") as file:
         assert read_csv(file).bag_ids.tolist() == ["a"]
-    with pytest.raises(InputError, match="the open BytesIO, line 2: there are 3 fields"):
+    with pytest.raises(InputError, match="the open BytesIO, line 2: the row has 3 of 4 fields"):
         read_csv(io.BytesIO(HEAD.encode() + b"a,1,2\n"))
 
 

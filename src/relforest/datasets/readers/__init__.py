@@ -1,8 +1,8 @@
-"""Readers of bags in the usual file formats of multiple-instance data.
+"""Readers of bags in the usual formats of multiple-instance data.
 
-`read_csv` reads tables with a column of bag identifiers, `read_arff` Weka's relational ARFF, and `read_c45`
-the ``.data`` files of the UCI repository. Each returns a `BagSet`; a file that cannot be read is an
-`InputError` that names the file, the place and the remedy. Files may be compressed with gzip.
+`read_csv` for tables with a column of bag identifiers, `read_arff` for Weka's relational ARFF, `read_c45` for
+the ``.data`` files of the UCI repository. Each takes a path or an open file, possibly compressed, and
+returns a `BagSet`; an `InputError` names the file, the place and the remedy.
 """
 
 from __future__ import annotations

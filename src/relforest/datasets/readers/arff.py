@@ -1,7 +1,7 @@
 """Weka's multi-instance ARFF: each data row holds a bag's name, its instances as one quoted text, its label.
 
-SciPy's reader of the format knows relational attributes, but guesses quoting from the first row, has no text
-attributes and says not where a file is wrong.
+SciPy's reader of the format supports relational attributes, but guesses quoting from the first row, lacks
+text attributes and does not locate errors.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ __all__ = ["BagRelation", "read_arff", "read_relation"]
 @final
 @dataclass(frozen=True, slots=True)
 class BagRelation:
-    """What the head of a multi-instance ARFF file declares.
+    """The declarations in the head of a multi-instance ARFF file.
 
     Attributes
     ----------
@@ -71,9 +71,9 @@ def read_arff(path: Source, *, positive: str | None = None, encoding: str | None
     ------
     InputError
         If the file cannot be read, does not declare a name, a relational attribute and a class, in this
-        order, or holds what cannot be used: a missing value, a number that is none, an undeclared value, a
-        bag without a name, a sparse or a weighted row, an empty bag, attributes of instances that are text
-        or dates. The message names the line.
+        order, or contains something unusable: a missing value, an invalid number, an undeclared value, a bag
+        without a name, a sparse or weighted row, an empty bag, or text or dates as attributes of instances.
+        The message names the line.
 
     Notes
     -----
@@ -100,7 +100,7 @@ def read_relation(
     usual: str | None = None,
     encoding: str | None = None,
 ) -> tuple[BagRelation, BagSet]:
-    """Return what the file declares beside the bags; see `read_arff`.
+    """Return the declarations of a file along with its bags; see `read_arff`.
 
     Parameters
     ----------
@@ -130,21 +130,19 @@ def read_relation(
             if not fields:
                 continue
             if len(fields) != 3:
-                raise FieldError(
-                    f"there are {len(fields)} values, but a name, a bag and a label are declared"
-                )
+                raise FieldError(f"{len(fields)} values instead of three: a name, a bag and a label")
             name, instances, label = fields
             if not name:
-                raise FieldError("the bag has no name: give it one")
+                raise FieldError("the name of the bag is missing")
             if name in ids:
-                raise FieldError(f"bag {name!r} stands on line {ids[name]} already: give it another name")
+                raise FieldError(f"bag {name!r} is already on line {ids[name]}: give it another name")
             _check_declared("name", name, relation.name)
             _check_declared("label", label, relation.label)
             ids[name] = line_number
             labels.append(label)
             bags.append(_points(instances, relation.features))
     if not bags:
-        raise InputError(f"{origin} holds no bags below @data")
+        raise InputError(f"{origin} does not contain any bags after @data")
     if positive is None and usual in labels:
         positive = usual
     is_positive = positive_labels(labels, positive, origin)
@@ -173,28 +171,28 @@ def _read_head(lines: Iterator[tuple[int, str]], origin: str) -> BagRelation:
                 relational = None
             elif keyword not in {"", "@relation"}:
                 raise FieldError(
-                    f"{keyword!r} cannot stand here: the head has lines @relation, @attribute, @end (which "
+                    f"{keyword!r} is not allowed here: the head has lines @relation, @attribute, @end (which "
                     "closes a relational attribute) and @data"
                 )
-    raise InputError(f"{origin} has no line @data: it is no ARFF file, or cut off")
+    raise InputError(f"{origin} does not have an @data line: it is not an ARFF file, or truncated")
 
 
 def _bag_relation(declared: list[Attribute]) -> BagRelation:
     if [attribute.kind == "relational" for attribute in declared] != [False, True, False]:
         listed = ", ".join(f"{attribute.name!r} ({attribute.kind})" for attribute in declared) or "none"
         raise FieldError(
-            "bags need three attributes, a name, a relational one that holds the instances, and a class; "
-            f"declared are {listed}. For a flat table save it as CSV and use read_csv"
+            "bags need three attributes, a name, a relational one with the instances, and a class; "
+            f"this file declares {listed}. Save a flat table as CSV and use read_csv"
         )
     features = declared[1].members
     odd = next((member for member in features if member.kind not in {"numeric", "nominal"}), None)
     if odd is not None:
         raise FieldError(
-            f"attribute {odd.name!r} of the instances is of type {odd.kind}: only numeric and nominal ones "
-            "can be used, so remove it"
+            f"attribute {odd.name!r} of the instances has type {odd.kind}: only numeric and nominal ones "
+            "are supported, so remove it"
         )
     if not features:
-        raise FieldError(f"the relational attribute {declared[1].name!r} has no attributes")
+        raise FieldError(f"the relational attribute {declared[1].name!r} lacks attributes")
     return BagRelation(declared[0], features, declared[2])
 
 
@@ -202,7 +200,7 @@ def _points(text: str, features: Sequence[Attribute]) -> NDArray[np.float64]:
     """Return the instances of a bag, (n, d)."""
     rows = [fields for fields in map(split_fields, split_lines(text)) if fields]
     if not rows:
-        raise FieldError("the bag has no instances: leave it out or fill it")
+        raise FieldError("the bag is empty: remove it or fill it")
     return np.array(
         [_components(row_number, fields, features) for row_number, fields in enumerate(rows, start=1)]
     )

@@ -62,12 +62,12 @@ def split_statement(line: str) -> tuple[str, str]:
 
 
 def parse_attribute(text: str) -> Attribute:
-    """Return what follows the word ``@attribute``: a name, perhaps quoted, and a type.
+    """Parse the text after ``@attribute``: a name, possibly quoted, and a type.
 
     Raises
     ------
     FieldError
-        If it is no such declaration.
+        If the declaration is invalid.
     """
     found = _DECLARATION.match(text)
     if found is None:
@@ -77,7 +77,7 @@ def parse_attribute(text: str) -> Attribute:
     if kind.startswith("{"):
         listed = _VALUES.fullmatch(kind)
         if listed is None:
-            raise FieldError(f"the values of attribute {name!r} must stand between {{ and }}")
+            raise FieldError(f"the values of attribute {name!r} must be enclosed in {{ and }}")
         return Attribute(name, "nominal", tuple(split_fields(listed[1])))
     word = split_statement(kind)[0]
     if word not in _KINDS:
@@ -106,7 +106,7 @@ def split_fields(line: str) -> list[str]:
         found = _FIELD.match(line, position)
         single, double, plain = found.groups() if found else (None, None, "")
         if plain == "?":
-            raise FieldError("a value is missing (?): fill it in, or leave the bag or the instance out")
+            raise FieldError("a value is missing (?): fill it in, or remove the bag or the instance")
         fields.append(_unescaped(double if single is None else single) if plain is None else plain)
         position = found.end() if found else position
         if _END.match(line, position):
@@ -123,7 +123,7 @@ def _unescaped(text: str | None) -> str:
 
 def _complaint(rest: str) -> str:
     if rest.startswith("{"):
-        return "sparse rows and weights, in { and }, cannot be read: write all values out, without weights"
+        return "sparse rows and weights, in { and }, are not supported: write all values, without weights"
     if rest.startswith(("'", '"')):
-        return "a quote is not closed, or stands within a value: close it, or write it as \\' or \\\""
+        return "a quote is not closed, or is inside a value: close it, or write it as \\' or \\\""
     return f"a comma is missing before {rest[:20]!r}: values with spaces need quotes"

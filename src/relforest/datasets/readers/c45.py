@@ -1,4 +1,4 @@
-"""The C4.5 ``.data`` files of the UCI repository, as those of Musk: one line per instance."""
+"""The C4.5 ``.data`` files of the UCI repository, such as Musk: one line per instance."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def read_c45(
     path : path or open file
         The ``.data`` file; a ``.names`` file beside it is not needed. It may be compressed with gzip.
     instance_ids : bool, optional
-        Whether the second field is a name of the instance (Musk: of the conformation), which is not kept, or
-        the first feature; needed if it is a number, and otherwise a name by default.
+        Whether the second field is the name of the instance (Musk: of the conformation), which is dropped, or
+        the first feature; required if it is a number, otherwise a name by default.
     positive : str, optional
         The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
         which the second is positive.
@@ -42,9 +42,8 @@ def read_c45(
     Raises
     ------
     InputError
-        If the file cannot be read, a line has another number of fields than the first, a feature is missing
-        or no finite number, ``instance_ids`` is needed and not given, or labels are unclear; the message
-        names the line.
+        If the file cannot be read, the number of fields varies, a feature is missing or not a finite number,
+        ``instance_ids`` is needed and not given, or labels are unclear; the message names the line.
 
     Notes
     -----
@@ -79,11 +78,11 @@ def _check_length(features: list[str], expected: int | None, n_names: int) -> No
             f"a line needs {names}, features and a label, separated by commas (see instance_ids)"
         )
     if expected not in {None, len(features)}:
-        raise FieldError(f"there are {len(features)} features, but {expected} above: complete the line")
+        raise FieldError(f"the line has {len(features)} of {expected} features: complete it")
 
 
 def _check_second(field: str, *, instance_ids: bool | None) -> None:
-    """Refuse a second field that is not plainly what ``instance_ids`` says."""
+    """Refuse a second field that contradicts ``instance_ids`` or is ambiguous without it."""
     try:
         number(field)
     except FieldError as error:

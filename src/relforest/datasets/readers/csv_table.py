@@ -1,4 +1,4 @@
-"""CSV tables with one row per instance and a column that says which bag it belongs to."""
+"""CSV tables with one row per instance and a column for its bag."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ __all__ = ["Columns", "parse_csv", "read_csv"]
 @final
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """Names of the columns that matter.
+    """Names of the columns to read.
 
     Attributes
     ----------
     bag_id, label : str
-        Which bag an instance belongs to, and the bag's label.
+        The bag of an instance, and the bag's label.
     features : tuple of str or None
         The components of the point; all other columns if None.
     """
@@ -57,19 +57,19 @@ def read_csv(
     path : path or open file
         The file; its first line names the columns. It may be compressed with gzip.
     bag_id : str
-        The column that says which bag an instance belongs to; its values are kept as strings.
+        The column with the bag of an instance; its values are kept as strings.
     label : str
         The column with the label of the bag, repeated on each of its rows.
     features : sequence of str, optional
-        The columns with the components of the point, in this order; all other columns by default, which must
-        then all have names.
+        The columns with the components of the point, in this order. Default: all other columns, which must
+        then have names.
     positive : str, optional
         The label of positive bags; needed if labels are other than 0 and 1, -1 and 1, false and true, of
         which the second is positive.
     separator, decimal, encoding : str, optional
-        How the file is written. Default: the separator is a comma, semicolon, tab or bar, as the first line
-        says; the decimal mark is a point, or a comma where no number can be meant otherwise; the encoding is
-        UTF-8, or UTF-16 where the first bytes show it.
+        How the file is written. By default the separator is detected from the first line (comma, semicolon,
+        tab or bar), the decimal mark is a point, or a comma if the values allow no other reading, and the
+        encoding is UTF-8, or UTF-16 if the first bytes show it.
 
     Returns
     -------
@@ -79,8 +79,8 @@ def read_csv(
     Raises
     ------
     InputError
-        If the file cannot be read, a quote is not closed, a column is missing, has no name or is chosen
-        twice, a row has too few or too many fields, a feature is missing or no finite number, rows of a bag
+        If the file cannot be read, a quote is not closed, a column is missing, unnamed or chosen twice, a
+        row has too few or too many fields, a feature is missing or not a finite number, rows of a bag
         disagree about its label, or labels are unclear; the message names the line and the column.
     """
     if isinstance(features, str):
@@ -159,7 +159,7 @@ def _feature_columns(names: Sequence[str], columns: Columns, origin: str) -> tup
         raise InputError(f"{origin} is empty: its first line must name the columns")
     if columns.features is None and "" in names:
         raise InputError(
-            f"{origin}: column {names.index('') + 1} has no name, so it looks like a row index: write the "
+            f"{origin}: column {names.index('') + 1} is unnamed, like a row index: write the "
             "file with index=False, name the column, or choose others as features"
         )
     keys = {columns.bag_id: "bag_id", columns.label: "label"}
@@ -173,7 +173,7 @@ def _feature_columns(names: Sequence[str], columns: Columns, origin: str) -> tup
         raise InputError(f"{origin} has two columns {repeated[0]!r}: rename one of them")
     if not features:
         raise InputError(
-            f"{origin} has no columns of features chosen beside {columns.bag_id!r} and {columns.label!r}"
+            f"{origin}: columns of features are missing (besides {columns.bag_id!r} and {columns.label!r})"
         )
     return features
 
@@ -190,19 +190,19 @@ def _check_chosen(chosen: Sequence[str], names: Sequence[str], keys: Mapping[str
             listed = ", ".join(map(repr, names[:6])) + (", ..." if len(names) > 6 else "")
             option = keys.get(name, "features")
             raise InputError(
-                f"{origin} has no column {name!r}: it has {listed}; name one of them as {option}"
+                f"column {name!r} is missing from {origin}, which has {listed}; name one of them as {option}"
                 f"{encoding_hint(names)}"
             )
 
 
 def _check_encoding(text: str, data: bytes, origin: str) -> None:
-    """Say that a file is not UTF-8 if that is what is wrong with a part of it that is used."""
+    """Raise an error if a text that is used was not valid UTF-8."""
     if is_broken(text):
         decoded(data, "utf-8", origin)
 
 
 def _decimal_mark(records: Sequence[CsvRow], places: Sequence[int]) -> str:
-    """Return the decimal mark of the features, a comma where nothing else can be meant."""
+    """Return the decimal mark of the features: a comma if they allow no other reading."""
     texts = [fields[place] for *_, fields in records for place in places if place < len(fields)]
     if not any("," in text for text in texts):
         return "."

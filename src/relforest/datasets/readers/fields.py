@@ -1,4 +1,4 @@
-"""What the fields of all formats have in common: text, numbers and labels."""
+"""Fields of all formats: text, numbers and labels."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _PLAIN: Final = {
 
 @final
 class FieldError(InputError):
-    """A field cannot be used; the reader that knows the place says where it stands."""
+    """A field cannot be used; the reader adds its place."""
 
 
 @contextmanager
 def at_line(origin: str, line_number: int) -> Iterator[None]:
-    """Say where it is what a `FieldError` complains of."""
+    """Add the place to the message of a `FieldError`."""
     try:
         yield
     except FieldError as error:
@@ -47,12 +47,12 @@ def split_lines(text: str) -> list[str]:
 
 
 def number(text: str, decimal: str = ".") -> float:
-    """Return the number that a field holds.
+    """Return the number in a field.
 
     Raises
     ------
     FieldError
-        If it holds none, or one that is not finite.
+        If it is not a finite number.
     """
     # Python would read 1_0 as 10; with a decimal comma, a point could only divide groups of digits.
     is_plain = "_" not in text and (decimal == "." or "." not in text)
@@ -63,14 +63,16 @@ def number(text: str, decimal: str = ".") -> float:
     if math.isfinite(value):
         return value
     if "," in text and decimal == ".":
-        raise FieldError(f"{text!r} is no finite number: if the comma is the decimal mark, pass decimal=','")
+        raise FieldError(
+            f"{text!r} is not a finite number: if the comma is the decimal mark, pass decimal=','"
+        )
     raise FieldError(
-        f"{text!r} is no finite number: correct it, or leave the instance out if the value is missing"
+        f"{text!r} is not a finite number: correct it, or remove the instance if the value is missing"
     )
 
 
 def positive_labels(labels: Sequence[str], positive: str | None, origin: str) -> NDArray[np.bool_]:
-    """Tell positive labels from negative ones.
+    """Return which labels are positive.
 
     Parameters
     ----------
@@ -101,7 +103,7 @@ def positive_labels(labels: Sequence[str], positive: str | None, origin: str) ->
     values = {label: _PLAIN.get(label.strip().lower()) for label in distinct}
     meanings = set(values.values())
     if len(distinct) > 2 and (None in meanings or len(meanings) > 2):
-        raise InputError(f"{origin}: there are more than two labels, {listed}: only two classes can be read")
+        raise InputError(f"{origin}: more than two labels, {listed}: only two classes are supported")
     if None in meanings or meanings == {0, -1}:
         choices = " or ".join(f"positive={label!r}" for label in distinct)
         raise InputError(

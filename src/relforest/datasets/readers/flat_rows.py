@@ -1,4 +1,4 @@
-"""Files with one row per instance, in whatever notation: rows that name their bag become bags."""
+"""Files with one row per instance, in any format: rows are grouped by their bag."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Row(NamedTuple):
     Attributes
     ----------
     line : int
-        Where it stands in the file, from 1.
+        Its line in the file, from 1.
     bag, label : str
-        Its bag and the label of that.
+        Its bag and the bag's label.
     point : list of d float
     """
 
@@ -40,14 +40,14 @@ def gather(rows: Iterable[Row], positive: str | None, origin: str) -> BagSet:
     rows : iterable of Row
         The rows of a bag may be anywhere; all have points of the same length.
     positive : str or None
-        The label of positive bags, if it is not plain.
+        The label of positive bags, if it is not obvious.
     origin : str
         The file, for messages.
 
     Raises
     ------
     InputError
-        If there are no rows, a bag has no name or two labels, or labels are unclear.
+        If rows or names of bags are missing, a bag has two labels, or labels are unclear.
     """
     ids: list[str] = []
     label_of: dict[str, str] = {}
@@ -55,16 +55,16 @@ def gather(rows: Iterable[Row], positive: str | None, origin: str) -> BagSet:
     for row in rows:
         with at_line(origin, row.line):
             if not row.bag:
-                raise FieldError("the bag has no name: give every row one")
+                raise FieldError("the name of the bag is missing: give every row one")
             first = label_of.setdefault(row.bag, row.label)
             if first != row.label:
                 raise FieldError(
                     f"bag {row.bag!r} is labelled {row.label!r} here and {first!r} above: all rows of a bag "
-                    "need its label"
+                    "need the same label"
                 )
         ids.append(row.bag)
         points.append(np.array(row.point))
     if not points:
-        raise InputError(f"{origin} holds no instances")
+        raise InputError(f"{origin} does not contain any instances")
     labels = positive_labels([label_of[bag] for bag in ids], positive, origin)
     return BagSet.from_instances(np.array(points), ids, labels)
