@@ -195,9 +195,9 @@ def test_labels_are_of_two_classes(
         ([2, 1], r"column 'y' holds the labels 1, 2: labels are booleans, 0 and 1"),
         ([0.5, 1.5], "holds the labels 0.5, 1.5"),
         (["a", "b", "c", "d"], "holds the labels 'a', 'b', 'c', 'd'"),
-        ([1], "has the label 1 in all 40 scenes: there must be scenes of both classes"),
+        ([1], "has the label 1 in all 40 scenes: learning needs scenes of both"),
         (["yes"], "has the label 'yes' in all 40 scenes"),
-        ([None, 1], "has no value in scene 100"),
+        ([None, 1], "lacks a value in scene 100"),
     ],
 )
 def test_other_labels_are_refused(tmp_path: Path, values: list[object], complaint: str) -> None:
@@ -220,8 +220,8 @@ def test_scenes_of_another_kind_are_described() -> None:
     schema = Schema([Attribute("weight", 3)])
     with pytest.raises(
         InputError,
-        match=r"f.csv has scenes with the attributes location \(2-D\), orientation \(angle\) and the "
-        r"arguments passer, but the tree is for scenes with the attributes weight \(3-D\) and the arguments "
+        match=r"f.csv contains scenes with the attributes location \(2-D\), orientation \(angle\) and the "
+        r"arguments passer, but the tree needs scenes with the attributes weight \(3-D\) and the arguments "
         r"\(none\)",
     ):
         check_schema(Path("f.csv"), small_scenes(), schema)
@@ -246,5 +246,5 @@ def test_columns_that_are_not_used_do_not_matter(tmp_path: Path) -> None:
 
     assert source.scenes.arguments.tolist() == [[0], [-1]]
     assert read_labels(source, "y").tolist() == ["no", "yes"]
-    with pytest.raises(InputError, match=r"no column 'z' in .*t\.csv: it has 'pass', 'player', 'x'"):
+    with pytest.raises(InputError, match=r"column 'z' is missing from .*t\.csv, which has 'pass', 'player'"):
         read_scenes(path, COLUMNS, remedy="", label="z")

@@ -69,7 +69,7 @@ def test_noise_gives_a_stub_and_says_so(run: CommandLine, tmp_path: Path) -> Non
 
     assert outcome.code == 0
     assert "SMRF tree with 0 questions and 1 leaf" in outcome.out
-    assert "no question proved itself at alpha = 0.05 on 40 scenes" in outcome.err
+    assert "no question was significant at alpha = 0.05 on 40 scenes" in outcome.err
     assert read_model(tmp_path / "tree.json").points == {}
 
 
@@ -79,7 +79,7 @@ def test_questions_that_were_left_out_are_told(
     monkeypatch.setattr(growth, "prepare", lambda *_: ([], 3))
     outcome = run("fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json")
 
-    assert "3 possible questions were left out, because they would see more than" in outcome.err
+    assert "3 possible questions were skipped because each has more than" in outcome.err
 
 
 def test_an_existing_model_is_replaced_only_on_demand(run: CommandLine, table: Path, tmp_path: Path) -> None:
@@ -98,21 +98,21 @@ def test_an_existing_model_is_replaced_only_on_demand(run: CommandLine, table: P
     [
         (
             ("--label", "completed"),
-            "passes.parquet was not written by Scenes.to_parquet: say what its columns are",
+            "passes.parquet was not written by Scenes.to_parquet: name its columns",
         ),
         (("--scene", "pass", "--label", "completed"), "--attribute NAME=COLUMN,... is missing"),
         (("--attribute", "extent=x", "--label", "completed"), "--scene COLUMN is missing"),
         (("--object", "player", "--label", "completed"), "--scene COLUMN is missing"),
-        ((*COLUMNS, "--label", "done"), "parquet: it has 'pass', 'player', 'x', 'passer', 'completed'"),
+        ((*COLUMNS, "--label", "done"), "parquet, which has 'pass', 'player', 'x', 'passer', 'comp"),
         ((*COLUMNS, "--label", "player"), "column 'player' has the values 'p0' and 'p1' in scene 100"),
         ((*COLUMNS, "--label", "passer"), "has the label 'p0' in all 40 scenes"),
-        (("--scene", "pas", *COLUMNS[2:], "--label", "completed"), "no column 'pas' in "),
-        ((*COLUMNS, "--attribute", "weight=w", "--label", "completed"), "no column 'w' in "),
+        (("--scene", "pas", *COLUMNS[2:], "--label", "completed"), "column 'pas' is missing from "),
+        ((*COLUMNS, "--attribute", "weight=w", "--label", "completed"), "column 'w' is missing from "),
         ((*COLUMNS, "--attribute", "name=player", "--label", "completed"), "which is not a number"),
         ((*COLUMNS, "--attribute", "extent=x", "--label", "completed"), "attribute 'extent' is given twice"),
         ((*COLUMNS, "--attribute", "location", "--label", "completed"), "'location' is not understood"),
-        ((*COLUMNS, "--arguments", "receiver", "--label", "completed"), "no column 'receiver'"),
-        ((*COLUMNS, "--arguments", "completed", "--label", "completed"), "column 'completed' holds bool"),
+        ((*COLUMNS, "--arguments", "receiver", "--label", "completed"), "column 'receiver' is missing from"),
+        ((*COLUMNS, "--arguments", "completed", "--label", "completed"), "column 'completed' contains bool"),
         (
             (*COLUMNS, "--label", "completed", "--test", "permutation", "--alpha", "0.001"),
             "permutations=99 can never reach alpha=0.001: use at least 999",
@@ -138,7 +138,7 @@ def test_bad_options_and_data_are_one_clear_line(
         ("none.parquet", None, "none.parquet cannot be read"),
         ("passes.txt", b"x", "has the suffix '.txt'"),
         ("broken.parquet", b"PAR1 and then nothing", "is not a readable Parquet file"),
-        ("broken.csv", b"pass,player,x,completed\n1,2,3\n", "broken.csv, line 2: there are 3 fields"),
+        ("broken.csv", b"pass,player,x,completed\n1,2,3\n", "broken.csv, line 2: the row has 3 of 4 fields"),
         ("empty.csv", b"pass,player,x,completed\n", "the table has no rows"),
     ],
 )
@@ -176,7 +176,7 @@ def test_an_unknown_positive_class_is_an_error(run: CommandLine, table: Path, tm
     outcome = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "maybe", "--out", out)
 
     assert outcome.code == 1
-    assert "--positive maybe is no label in the column 'completed': use False or True" in outcome.err
+    assert "--positive maybe is not a label in column 'completed': use False or True" in outcome.err
     assert not out.exists()
 
 
@@ -233,7 +233,7 @@ def test_the_positive_class_is_named_as_it_is_written(
     run("fit", table, *COLUMNS, "--label", "completed", "--positive", positive, "--out", out)
 
     assert read_model(out).classes == classes
-    complaint = "--positive 001 is no label in the column 'completed'"
+    complaint = "--positive 001 is not a label in column 'completed'"
     again = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "001", "--out", out, "--force")
     assert complaint in again.err
 
@@ -245,7 +245,7 @@ def test_a_tree_that_never_says_no_is_announced(run: CommandLine, tmp_path: Path
     out = tmp_path / "tree.json"
     told = (
         "all leaf probabilities are 1/2 or more, so the tree predicts completed = True for every scene: "
-        "--positive False asks what exists in the scenes of False instead"
+        "try --positive False, which looks for what exists in scenes of False"
     )
 
     assert told in run("fit", table, *COLUMNS, "--label", "completed", "--out", out).err
@@ -253,9 +253,7 @@ def test_a_tree_that_never_says_no_is_announced(run: CommandLine, tmp_path: Path
     other = run(
         "fit", table, *COLUMNS, "--label", "completed", "--positive", "False", "--out", out, "--force"
     )
-    assert (
-        "below 1/2, so the tree predicts completed = True for every scene: --positive True asks" in other.err
-    )
+    assert "below 1/2, so the tree predicts completed = True for every scene: try --positive T" in other.err
 
 
 def test_a_tree_of_one_file_applies_to_ids_of_another_type(

@@ -69,7 +69,7 @@ def test_scenes_of_another_kind_are_refused(run: CommandLine, model: Path, tmp_p
     outcome = run("predict", model, tmp_path / "scenes.parquet")
 
     assert outcome.code == 1
-    assert "no column 'pass' in " in outcome.err or "but the tree is for scenes with" in outcome.err
+    assert "column 'pass' is missing from " in outcome.err or "but the tree needs scenes with" in outcome.err
 
 
 def test_a_bare_tree_needs_a_file_of_scenes(run: CommandLine, table: Path, tmp_path: Path) -> None:
@@ -104,4 +104,4 @@ def test_bad_models_are_one_clear_line(
 def test_a_table_without_the_columns_is_refused(run: CommandLine, model: Path, tmp_path: Path) -> None:
     table = write(passes().drop_columns(["x"]), tmp_path / "other.parquet")
 
-    assert "other.parquet: it has 'pass', 'player', 'passer'" in run("predict", model, table).err
+    assert "other.parquet, which has 'pass', 'player', 'passer'" in run("predict", model, table).err

@@ -71,11 +71,11 @@ def test_pictures_are_replaced_only_on_demand(run: CommandLine, model: Path, tmp
     [
         (("--out", "tree.pdf"), "tree.pdf has the suffix '.pdf': pictures are written as .png or .svg"),
         (("--scene", "100"), "the file of scene '100' is missing: write --scene 100 of FILE"),
-        (("--of", "passes.csv"), "name the scene too, with --scene K"),
+        (("--of", "passes.csv"), "--of needs a scene: add --scene K"),
         (("--scene", "100", "in", "passes.csv"), "--scene 100 in passes.csv is not understood"),
         (("--scene", "100", "of", "a.csv", "--of", "b.csv"), "is not understood: write --scene K of FILE"),
         (("--scene", "100", "of"), "is not understood: write --scene K of FILE"),
-        (("--scene", "100", "of", "none.csv"), "there is no file none.csv"),
+        (("--scene", "100", "of", "none.csv"), "file none.csv does not exist"),
     ],
 )
 def test_bad_options_are_one_clear_line(
@@ -91,7 +91,7 @@ def test_bad_options_are_one_clear_line(
 def test_unknown_scenes_are_refused_with_those_there_are(run: CommandLine, model: Path, table: Path) -> None:
     outcome = run("show", model, "--scene", "99", "of", table)
 
-    assert "passes.parquet has no scene '99': it has 100, 101" in outcome.err
+    assert "passes.parquet does not contain a scene '99'; its scenes are 100, 101" in outcome.err
     assert "and 32 more" in outcome.err
 
 
@@ -100,7 +100,7 @@ def test_scenes_of_another_kind_are_refused(run: CommandLine, tmp_path: Path, mo
     scenes_of([[0, 0]]).to_parquet(tmp_path / "scenes.parquet")
     outcome = run("show", tmp_path / "tree.json", "--scene", "scene 0", "of", tmp_path / "scenes.parquet")
 
-    assert "but the tree is for scenes with the attributes extent (1-D)" in outcome.err
+    assert "but the tree needs scenes with the attributes extent (1-D)" in outcome.err
 
 
 @pytest.mark.parametrize("given", [("--scene", "-7", "of"), ("--scene=-7", "--of"), ("--scene", "007", "of")])

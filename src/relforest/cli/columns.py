@@ -1,4 +1,4 @@
-"""Which columns of a table mean what, and scenes and labels read from tables."""
+"""The meaning of table columns, and scenes and labels read from tables."""
 
 from __future__ import annotations
 
@@ -48,17 +48,17 @@ class Columns:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneTable:
-    """Scenes and the columns that they were read from.
+    """Scenes and the table columns they were read from.
 
     Parameters
     ----------
     scenes : Scenes
     columns : Columns
-        Where they were.
+        The meaning of the columns.
     table : pyarrow.Table
         The columns that were read.
     scene_key : str
-        The column that tells the scenes apart, whether or not two of them have the same id.
+        The column that distinguishes scenes, even where two have the same id.
     """
 
     scenes: Scenes
@@ -68,7 +68,7 @@ class SceneTable:
 
 
 def check_schema(origin: Path, scenes: Scenes, schema: Schema) -> None:
-    """Check that the scenes of a file are of the kind that a tree was learned from.
+    """Check that the scenes of a file have the schema that a tree was learned from.
 
     Raises
     ------
@@ -77,8 +77,8 @@ def check_schema(origin: Path, scenes: Scenes, schema: Schema) -> None:
     """
     if scenes.schema != schema:
         raise InputError(
-            f"{origin} has scenes with {_described(scenes.schema)}, but the tree is for scenes with "
-            f"{_described(schema)}: give it a file with the same"
+            f"{origin} contains scenes with {_described(scenes.schema)}, but the tree needs scenes with "
+            f"{_described(schema)}: use a file that has them"
         )
 
 
@@ -101,7 +101,7 @@ def parse_attributes(texts: Sequence[str]) -> tuple[tuple[Attribute, tuple[str, 
 
 
 def parse_names(text: str) -> tuple[str, ...]:
-    """Read names separated by commas; an empty text holds none."""
+    """Read names separated by commas; an empty text gives none."""
     return tuple(name.strip() for name in text.split(",")) if text.strip() else ()
 
 
@@ -121,7 +121,7 @@ def read_scenes(
     columns : Columns, optional
         Not needed for a Parquet file written by `Scenes.to_parquet`, which may have further columns.
     remedy : str
-        What to do where they are missing and needed, for the message.
+        What to do if ``columns`` is needed and missing, for the message.
     label : str, optional
         One more column to read, for `read_labels`.
     dialect : Dialect
@@ -132,14 +132,14 @@ def read_scenes(
     InputError
         If the file cannot be read, or its columns cannot be found or used.
     ModelFormatError
-        If the file says that `Scenes.to_parquet` wrote it, but was changed since.
+        If `Scenes.to_parquet` wrote the file and it was changed since.
     """
     file = open_table(path, dialect)
     labels = [] if label is None else [label]
     if is_own(file):
         own = _own_columns(file, columns)
         if own is not None:
-            # Only the file's own numbering can tell scenes of the same id apart.
+            # Only the file's own numbering distinguishes scenes with the same id.
             scene_key = own_columns(file)[1][-2]
             table = file.read([scene_key, *labels])
             return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
@@ -160,8 +160,8 @@ def _as_numbers(labels: NDArray[Any], column: str) -> NDArray[Any]:
         return labels.astype(np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"column {column!r} holds values that are no labels ({error}): labels are booleans, 0 and 1, "
-            "-1 and +1, or two strings"
+            f"column {column!r} holds values that are not labels: labels are booleans, 0 and 1, -1 and "
+            "+1, or two strings"
         ) from error
 
 
@@ -188,8 +188,8 @@ def read_labels(source: SceneTable, column: str) -> NDArray[Any]:
         )
     if len(classes) < 2:
         raise InputError(
-            f"column {column!r} has the label {classes.tolist()[0]!r} in all {len(labels)} scenes: there "
-            "must be scenes of both classes to learn from"
+            f"column {column!r} has the label {classes.tolist()[0]!r} in all {len(labels)} scenes: "
+            "learning needs scenes of both classes"
         )
     return labels
 
@@ -219,7 +219,7 @@ def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:
 
 
 def _own_columns(file: TableFile, columns: Columns | None) -> Columns | None:
-    """Return where `Scenes.to_parquet` wrote scenes; None if they are to be read from other columns."""
+    """Return the columns that `Scenes.to_parquet` wrote, or None if scenes are read from other ones."""
     try:
         schema, names = own_columns(file)
     except ModelFormatError:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from relforest.cli.model_file import Label, Model
     from relforest.trees import SMRFTreeClassifier
 
-_REMEDY: Final = "say what its columns are, such as --scene pass --object player --attribute location=x,y"
+_REMEDY: Final = "name its columns, such as --scene pass --object player --attribute location=x,y"
 
 
 @final
@@ -31,10 +31,11 @@ _REMEDY: Final = "say what its columns are, such as --scene pass --object player
 class FitOptions:
     r"""Learn a tree from a table of labelled scenes, print it in words, and write it to a model file.
 
-    The table is long: one row per object, with columns that say which scene and which object it is. The label
-    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings. The tree states
-    what exists in scenes of the positive class, which is the label sorted last unless --positive names the
-    other. Empty cells are undefined attributes.
+    The table is long: one row per object, with columns for the ids of the scene and of the object. The label
+    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings. The tree
+    describes what exists in scenes of the positive class, which is the label that sorts last unless
+    --positive names the other one. Empty cells are undefined attributes. Ids are kept as written: 007 and 7
+    are different.
 
     For example:
       relforest fit passes.parquet --scene pass --object player \
@@ -42,38 +43,38 @@ class FitOptions:
           --arguments passer,receiver --label completed --out tree.json
       relforest fit scenes.parquet --label completed --out tree.json
 
-    The second form is for files that Scenes.to_parquet wrote and a label column was added to.
+    The second form is for files written by Scenes.to_parquet, with a label column added.
 
     Parameters
     ----------
     table
-        Parquet or CSV file.
+        Parquet or CSV file, or a folder of Parquet files. A CSV file may be compressed (.csv.gz).
     label
-        Column of the labels.
-    separator
-        What separates the fields of a CSV file: one character, or "tab". By default it is found out.
-    decimal
-        Decimal mark of a CSV file: "." or ",". By default it is found out where only one can be meant.
-    encoding
-        Encoding of a CSV file, such as latin-1; by default UTF-8, or UTF-16 with its mark.
+        Column of labels.
     positive
-        The label whose scenes the tree is about, such as False if it is failures that have a cause to be
-        found.
+        The label that the tree explains, written as in the table; for example False to find the causes of
+        failures.
     out
-        Model file to write (JSON). Besides the tree it holds the names of the columns and, for the drawings
-        of relforest show, up to 150 training points of either class for each question.
+        Model file to write (JSON). Besides the tree it stores the names of the columns and, for the drawings
+        of relforest show, up to 150 training points of each class per question.
     scene
         Column of scene ids.
     object
-        Column of object ids. Without it, objects are numbered within their scene.
+        Column of object ids. By default, objects are numbered within their scene.
     attribute
-        An attribute of the objects and its columns, one per component. ":angle" at the end is for angles in
-        radians; "orientation" is one anyway.
+        An attribute of the objects and its columns, one per component. Append ":angle" for an angle in
+        radians; this is the default for the name "orientation".
     arguments
-        Columns that hold the id of the object bound to an argument of the action, the same in all rows of a
+        Columns with the id of the object bound to each argument of the action, the same in all rows of a
         scene.
+    separator
+        Field separator of a CSV file: one character or "tab". Detected by default.
+    decimal
+        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
+    encoding
+        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
     test
-        How a question must prove itself. The likelihood ratio test is fast, but accepts questions on noise
+        Significance test for questions. The likelihood ratio test is fast, but accepts questions on noise
         more often than alpha; the permutation test keeps its level and takes longer.
     alpha
         Significance level.
@@ -82,7 +83,7 @@ class FitOptions:
     permutations
         Shuffles of the permutation test.
     max_points
-        Expansions with more instantiation sequences than this are left out, and counted in the end.
+        Expansions with more instantiation sequences than this are skipped, and their number is reported.
     seed
         The same seed gives the same tree.
     jobs
@@ -113,7 +114,7 @@ class FitOptions:
 
 
 def fit(options: FitOptions) -> int:
-    """Learn a tree as the options say; the exit code is 0."""
+    """Learn a tree with the given options; the exit code is 0."""
     from relforest.cli.columns import read_labels, read_scenes
     from relforest.cli.model_file import Model, write_model
     from relforest.metrics import peirce_skill_score
@@ -166,12 +167,12 @@ def _classes(labels: NDArray[Any], options: FitOptions) -> tuple[Label, Label]:
     if _is_meant(options.positive, first):
         return second, first
     raise InputError(
-        f"--positive {options.positive} is no label in the column {options.label!r}: use {first} or {second}"
+        f"--positive {options.positive} is not a label in column {options.label!r}: use {first} or {second}"
     )
 
 
 def _is_meant(text: str, label: Label) -> bool:
-    """Return whether a label is written like this, here or in a table."""
+    """Return whether a text is how a label is written, in messages or in a table."""
     from relforest.scenes.label_text import parsed_label
 
     written = parsed_label(text)
@@ -186,20 +187,20 @@ def _columns(options: FitOptions) -> Columns | None:
         return None
     if options.scene is None or not attributes:
         missing = "--scene COLUMN" if options.scene is None else "--attribute NAME=COLUMN,..."
-        raise InputError(f"{missing} is missing: it is needed as soon as any column is named")
+        raise InputError(f"{missing} is missing: it is required if any column is named")
     return Columns(options.scene, options.object, attributes, arguments)
 
 
 def _comment(options: FitOptions, model: Model, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
     if classifier.tree_.is_stub:
         note(
-            f"no question proved itself at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so the "
-            "tree makes no distinction"
+            f"no question was significant at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so "
+            "the tree is a single leaf"
         )
     if classifier.n_left_out_:
         note(
-            f"{classifier.n_left_out_} possible questions were left out, because they would see more than "
-            f"{classifier.max_points} instantiation sequences each: a larger --max-points allows them"
+            f"{classifier.n_left_out_} possible questions were skipped because each has more than "
+            f"{classifier.max_points} instantiation sequences: raise --max-points to include them"
         )
     if hint := one_sided_hint(model):
         note(hint)

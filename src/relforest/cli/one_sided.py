@@ -1,4 +1,4 @@
-"""Trees that give the same answer to every scene."""
+"""Trees that predict the same class for every scene."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def one_sided_hint(model: Model) -> str:
-    """Return what to try if all leaves are on one side of 1/2; an empty text if they are not."""
+    """Return advice if all leaves are on the same side of 1/2, otherwise an empty text."""
     says_yes = model.tree.leaf_probabilities >= 0.5
     if not model.label or says_yes.any() != says_yes.all():
         return ""
@@ -17,5 +17,5 @@ def one_sided_hint(model: Model) -> str:
     answer, bound = (positive, "1/2 or more") if says_yes.all() else (negative, "below 1/2")
     return (
         f"all leaf probabilities are {bound}, so the tree predicts {model.label} = {answer} for every scene: "
-        f"--positive {negative} asks what exists in the scenes of {negative} instead"
+        f"try --positive {negative}, which looks for what exists in scenes of {negative}"
     )

@@ -1,4 +1,4 @@
-"""``relforest predict``: what a tree says about the scenes of a table."""
+"""``relforest predict``: apply a tree to the scenes of a table."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -27,9 +27,9 @@ class PredictOptions:
     """Apply a learned tree to the scenes of a table.
 
     The result is CSV, one row per scene: its id, the probability of the positive class, the more probable
-    class, the number of the deciding leaf, and the ids of the objects that led there, one column per
-    variable. The table needs the columns that the tree was learned from, but no labels; its scenes may have
-    other numbers of objects.
+    class, the number of the leaf that decided, and the ids of the objects that led to it, one column per
+    variable. The table needs the columns that the tree was learned from, except the labels; its scenes may
+    have different numbers of objects.
 
     For example:
       relforest predict tree.json other.parquet --out predictions.csv
@@ -39,15 +39,15 @@ class PredictOptions:
     model
         Model file written by relforest fit.
     table
-        Parquet or CSV file.
+        Parquet or CSV file, or a folder of Parquet files. A CSV file may be compressed (.csv.gz).
     out
         CSV file to write.
     separator
-        What separates the fields of a CSV file: one character, or "tab". By default it is found out.
+        Field separator of a CSV file: one character or "tab". Detected by default.
     decimal
-        Decimal mark of a CSV file: "." or ",". By default it is found out where only one can be meant.
+        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
     encoding
-        Encoding of a CSV file, such as latin-1; by default UTF-8, or UTF-16 with its mark.
+        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
     jobs
         Threads; the result does not depend on it.
     force
@@ -65,7 +65,7 @@ class PredictOptions:
 
 
 def predict(options: PredictOptions) -> int:
-    """Predict as the options say; the exit code is 0."""
+    """Predict with the given options; the exit code is 0."""
     from relforest.cli.columns import check_schema, read_scenes
     from relforest.cli.model_file import read_model
     from relforest.scenes.dialect import Dialect

@@ -1,4 +1,4 @@
-"""``relforest show``: a tree in words and as a drawing."""
+"""``relforest show``: print or draw a tree."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 class ShowOptions:
     """Show a learned tree in words and, with --out, as a drawing.
 
-    The drawing has the questions with their decision volumes: mean, scaled eigenvectors and, in two
-    dimensions, the ellipse over the training points. With a scene, the way of that scene through the tree is
-    told (and marked in the drawing): which answers it got, which leaf decided, and which objects led there.
+    The drawing shows each question with its decision volume: mean, scaled eigenvectors and, in two
+    dimensions, the ellipse over the training points. With --scene, the path of that scene through the tree
+    is printed (and marked in the drawing): its answers, the leaf that decided, and the objects that led to
+    it.
 
     For example:
       relforest show tree.json
@@ -42,16 +43,16 @@ class ShowOptions:
     model
         Model file written by relforest fit, or a tree from a run folder.
     scene
-        Id of a scene, and the Parquet or CSV file that holds it: "--scene K of FILE", or "--scene K --of
-        FILE".
+        Id of a scene, written as in the table, and its Parquet or CSV file: "--scene K of FILE", or
+        "--scene K --of FILE".
     of
-        The file, if it is not named after the scene.
+        The file of the scene, if --scene does not name it.
     separator
-        What separates the fields of a CSV file: one character, or "tab". By default it is found out.
+        Field separator of a CSV file: one character or "tab". Detected by default.
     decimal
-        Decimal mark of a CSV file: "." or ",". By default it is found out where only one can be meant.
+        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
     encoding
-        Encoding of a CSV file, such as latin-1; by default UTF-8, or UTF-16 with its mark.
+        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
     out
         Picture to write: .svg or .png.
     force
@@ -69,7 +70,7 @@ class ShowOptions:
 
 
 def show(options: ShowOptions) -> int:
-    """Show a tree as the options say; the exit code is 0."""
+    """Show a tree with the given options; the exit code is 0."""
     chosen = _chosen_scene(options)
 
     from relforest.cli.model_file import read_model
@@ -108,7 +109,7 @@ def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
         case (key, "of", file) if options.of is None:
             return key, Path(file)
         case ():
-            raise InputError("--of names the file of a scene: name the scene too, with --scene K")
+            raise InputError("--of needs a scene: add --scene K")
         case (key,):
             raise InputError(f"the file of scene {key!r} is missing: write --scene {key} of FILE")
         case given:
@@ -125,7 +126,7 @@ def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
     positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
     if len(positions) > 1:
-        raise InputError(f"{path} has {len(positions)} scenes {key!r}: give them different ids")
+        raise InputError(f"{path} contains {len(positions)} scenes {key!r}: give them different ids")
     if positions:
         return scenes.take(positions)
-    raise InputError(f"{path} has no scene {key!r}: it has {listed(ids)}")
+    raise InputError(f"{path} does not contain a scene {key!r}; its scenes are {listed(ids)}")
