@@ -243,17 +243,14 @@ def test_a_tree_that_never_says_no_is_announced(run: CommandLine, tmp_path: Path
     column = [scene % 4 > 0 for scene in range(N_SCENES) for _ in range(3)]
     table = write(passes(completed=column, x=[0.5] * (3 * N_SCENES)), tmp_path / "passes.parquet")
     out = tmp_path / "tree.json"
-    told = (
-        "all leaf probabilities are 1/2 or more, so the tree predicts completed = True for every scene: "
-        "try --positive False, which looks for what exists in scenes of False"
-    )
+    hint = "every leaf predicts positive: relforest fit --positive False looks for what exists in scenes of"
 
-    assert told in run("fit", table, *COLUMNS, "--label", "completed", "--out", out).err
-    assert told in run("show", out).err
+    assert hint in run("fit", table, *COLUMNS, "--label", "completed", "--out", out).out
+    assert hint in run("show", out).out
     other = run(
         "fit", table, *COLUMNS, "--label", "completed", "--positive", "False", "--out", out, "--force"
     )
-    assert "below 1/2, so the tree predicts completed = True for every scene: try --positive T" in other.err
+    assert "every leaf predicts negative: relforest fit --positive True looks for" in other.out
 
 
 def test_a_tree_of_one_file_applies_to_ids_of_another_type(

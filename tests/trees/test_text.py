@@ -223,7 +223,10 @@ def test_arguments_are_not_fresh() -> None:
 def test_a_stub_in_words() -> None:
     stub = Tree.stub(plane(), Leaf(0.75, 1, 3))
 
-    assert str(stub) == "SMRF tree with 0 questions and 1 leaf\n0.75  (3 of 4 scenes positive)"
+    assert str(stub) == (
+        "SMRF tree with 0 questions and 1 leaf\n0.75  (3 of 4 scenes positive)\nevery leaf predicts positive: "
+        "relforest fit --positive LABEL looks for what exists in scenes of the other class"
+    )
 
 
 def test_a_tree_in_words() -> None:
@@ -283,7 +286,7 @@ def test_a_tree_of_one_prediction_says_so_and_what_to_do(
     assert one_sided_hint(tree.nodes) == (hint and hint + advice)
     assert one_sided_hint(tree.nodes, "failed") == (hint and hint + advice.replace("LABEL", "failed"))
     assert str(tree) == "\n".join(
-        filter(None, (describe(schema, tree.nodes, hint=False), hint and hint + advice))
+        filter(None, (describe(schema, tree.nodes, other=None), hint and hint + advice))
     )
 
 
@@ -315,6 +318,6 @@ def test_arguments_are_introduced_where_they_are_bound() -> None:
 def test_bindings_above_a_leaf_are_not_worth_a_line() -> None:
     schema = Schema((LOCATION,), ("passer",))
 
-    assert str(Tree(schema, (Instantiation(1), leaf(0.5)))).splitlines()[1:] == [
+    assert describe(schema, (Instantiation(1), leaf(0.5)), other=None).splitlines()[1:] == [
         "0.50  (0 of 0 scenes positive)"
     ]

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
 from tyro.conf import Positional, UseAppendAction, arg
 
-from relforest.cli.one_sided import one_sided_hint
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.cli.columns import Columns, SceneTable
-    from relforest.cli.model_file import Label, Model
+    from relforest.cli.model_file import Label
     from relforest.trees import SMRFTreeClassifier
 
 _REMEDY: Final = "name its columns, such as --scene pass --object player --attribute location=x,y"
@@ -148,12 +147,12 @@ def fit(options: FitOptions) -> int:
     points = question_points(classifier.tree_, source.scenes, positive)
     model = Model(classifier.tree_, options.label, classes, source.columns, points)
     score = peirce_skill_score(positive, classifier.predict(source.scenes))
-    print(classifier.tree_)
+    print(model.text)
     print()
     print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
     print(f"Peirce skill score on the training scenes: {score:.3f}")
     write_model(options.out, model)
-    _comment(options, model, source, classifier)
+    _comment(options, source, classifier)
     return 0
 
 
@@ -191,7 +190,7 @@ def _columns(options: FitOptions) -> Columns | None:
     return Columns(options.scene, options.object, attributes, arguments)
 
 
-def _comment(options: FitOptions, model: Model, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
+def _comment(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
     if classifier.tree_.is_stub:
         note(
             f"no question was significant at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so "
@@ -202,6 +201,4 @@ def _comment(options: FitOptions, model: Model, source: SceneTable, classifier: 
             f"{classifier.n_left_out_} possible questions were skipped because each has more than "
             f"{classifier.max_points} instantiation sequences: raise --max-points to include them"
         )
-    if hint := one_sided_hint(model):
-        note(hint)
     note(f"wrote {options.out}")

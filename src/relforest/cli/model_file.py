@@ -21,6 +21,7 @@ from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, write_json
 from relforest.trees import Question, Tree
+from relforest.trees.text import describe
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
 from relforest.volumes.ellipsoid import LARGEST_VALUE
@@ -58,9 +59,15 @@ class Model:
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
 
     @property
+    def text(self) -> str:
+        """The tree in words."""
+        other = str(self.classes[0]) if self.label else "LABEL"
+        return describe(self.tree.schema, self.tree.nodes, other=other)
+
+    @property
     def remedy(self) -> str:
         """What to do with a file whose columns are not known, for messages."""
-        return "the model does not tell the columns of its scenes, so use a file that was"
+        return "the model does not name the columns of its scenes, so use a file that was"
 
     @property
     def positive(self) -> str:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, final
 
 from tyro.conf import Positional, arg
 
-from relforest.cli.one_sided import one_sided_hint
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note
 from relforest.support.errors import InputError
@@ -85,9 +84,7 @@ def show(options: ShowOptions) -> int:
     dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
     scene = None if chosen is None else _find_scene(*chosen, model, dialect)
-    print(model.tree)
-    if hint := one_sided_hint(model):
-        note(hint)
+    print(model.text)
     if scene is not None:
         print()
         print(path_in_words(model.tree, tree_path(model.tree, scene)))

@@ -68,7 +68,7 @@ def trees_in_words(value: ValueFunction) -> str:
         parts.append(f"{name}: {len(trees) or 'no'} tree{'' if len(trees) == 1 else 's'}")
         for number, tree in enumerate(trees, start=1):
             # Advice for classifiers: here trees are features.
-            words = describe(tree.schema, tree.nodes, hint=False)
+            words = describe(tree.schema, tree.nodes, other=None)
             parts.append(f"{name}, tree {number}: {words}")
     return "\n\n".join(parts)
 

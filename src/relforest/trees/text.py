@@ -62,7 +62,7 @@ def sentence(question: Question, fresh: tuple[int, ...] = (), *, exact: str | No
     return _introduced(said, rest, fresh)
 
 
-def describe(schema: Schema, nodes: tuple[Node, ...], *, hint: bool = True) -> str:
+def describe(schema: Schema, nodes: tuple[Node, ...], *, other: str | None = "LABEL") -> str:
     """Return a whole tree in words: one line per question and leaf.
 
     Error leaves that decided no training scene are left out.
@@ -71,8 +71,8 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, hint: bool = True) -> s
     ----------
     schema : Schema
     nodes : tuple of Node
-    hint : bool
-        Whether to add `one_sided_hint`.
+    other : str or None
+        Label of the negative class for `one_sided_hint`, which is added unless this is None.
     """
     questions = [node for node in nodes if isinstance(node, Question)]
     n_leaves = sum(isinstance(node, Leaf) for node in nodes)
@@ -83,7 +83,7 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, hint: bool = True) -> s
     leads = [_statement(question).lead for question in questions]
     if any(side in lead for lead in leads for side in SIDES):
         lines.append(_ORIENTATION)
-    remark = one_sided_hint(nodes) if hint and questions else ""
+    remark = "" if other is None else one_sided_hint(nodes, other)
     return "\n".join((*lines, remark) if remark else lines)
 
 
