@@ -129,9 +129,9 @@ def test_decision_may_offer_no_action() -> None:
         ),
         ({"objects": [[0.0], [1.0, 2.0]]}, "objects must be a 2-dimensional array of float64"),
         ({"types": np.array([0.0, 1.0])}, "types must be a 1-dimensional array of int64, got .* float64"),
-        ({"types": np.array([0])}, "one entry per action, got 1, 2 and 2"),
-        ({"indices": np.array([0])}, "one entry per action, got 2, 2 and 1"),
-        ({"arguments": np.array([[0, 1]])}, "one entry per action, got 2, 1 and 2"),
+        ({"types": np.array([0])}, "one entry for each action, got 1, 2 and 2"),
+        ({"indices": np.array([0])}, "one entry for each action, got 2, 2 and 1"),
+        ({"arguments": np.array([[0, 1]])}, "one entry for each action, got 2, 1 and 2"),
     ],
 )
 def test_decision_refuses_arrays_of_the_wrong_form(changes: dict[str, Any], message: str) -> None:

@@ -1,23 +1,24 @@
 """The contract between worlds and learners: a semi-Markov decision process over objects.
 
-A world offers, at every state, a finite set of ground actions: an action type with objects of the state bound
-to its parameters. An action may be an option that lasts longer than one unit of time (Palmer (2015), section
-2.1). A learner needs nothing else from a world than `World` and the conventions below, and a world knows no
-learner.
+In every state, a world offers a finite set of ground actions: action types with objects of the state bound
+to their parameters. An action may be an option that lasts longer than one unit of time (Palmer (2015),
+section 2.1). `World` and the conventions below are all that a learner needs from a world; a world knows
+nothing about learners.
 
 Conventions of the Gymnasium face of a world
 --------------------------------------------
-- The action space is a flat ``Discrete`` space; `Decision.indices` names the members that are available, and
-  ``info["action_mask"]`` (int8 over the whole space) marks the same ones.
+- The action space is a flat ``Discrete`` space; `Decision.indices` lists the available members, and
+  ``info["action_mask"]`` (int8 over the whole space) marks the same ones. A world may offer them as a method
+  too: ``action_masks()``, bool.
 - ``info["scene"]`` is a `relforest.Scenes` of length 1: the objects of the state, no arguments bound and no
   private ones (see `Decision`).
-- ``info["duration"]``, after a step, is how long the action took in the world's units of time, finite and not
-  negative. It is 0 where another agent must choose at the same moment, before any time passes.
-- The reward of ``env.step`` is the undiscounted total inside the action; ``info["discounted_reward"]`` is
-  the total discounted to the beginning of the action, and may be left out where it equals the reward.
-- ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` a limit of time.
+- After a step, ``info["duration"]`` is the time that the action took, in the world's units, finite and not
+  negative. It is 0 if another agent must choose at the same moment, before any time passes.
+- The reward of ``env.step`` is the undiscounted total over the action; ``info["discounted_reward"]`` is
+  the total discounted to the beginning of the action, and may be omitted if it equals the reward.
+- ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` marks a time limit.
 
-`relforest.testing.check_world` tells whether a world keeps them.
+`relforest.testing.check_world` checks whether a world follows them.
 """
 
 from __future__ import annotations
@@ -120,9 +121,9 @@ class Action:
 class Decision:
     """The objects of a state and the ground actions available in it.
 
-    The scene of an action, which is what learners see of it, holds the objects that all actions share and of
-    the private ones those that the action binds. A virtual object, which stands for a place that an action
-    may aim at, is private: of all the places that could be aimed at, an action knows its own.
+    The scene of an action, which is what learners see of it, holds the objects that all actions share, and
+    the private objects that the action binds. A virtual object, which represents a place that an action may
+    aim at, is private: an action sees only the place that it aims at itself.
 
     Letters: n objects, w columns of the schema, m actions, k the largest arity among the world's action
     types. Construction checks types and shapes only, because worlds build one decision per step;
@@ -140,8 +141,8 @@ class Decision:
     indices : (m,) int64
         The action's number in the flat ``Discrete`` space.
     n_private : int
-        How many of the objects, counted from the last row, are private. A private object that no action binds
-        belongs to no scene.
+        Number of private objects: the last rows. A private object that no action binds does not appear in any
+        scene.
 
     Raises
     ------
@@ -151,7 +152,7 @@ class Decision:
 
     Notes
     -----
-    The arrays become read-only views. At a terminal state there may be no action.
+    The arrays become read-only views. A terminal state may offer no actions.
 
     References
     ----------
@@ -177,7 +178,7 @@ class Decision:
             object.__setattr__(self, name, array)
         if not len(self.types) == len(self.arguments) == len(self.indices):
             raise InputError(
-                "types, arguments and indices must have one entry per action, "
+                "types, arguments and indices must have one entry for each action, "
                 f"got {len(self.types)}, {len(self.arguments)} and {len(self.indices)}"
             )
         if self.n_private:
@@ -198,7 +199,7 @@ class Decision:
 
     @property
     def n_shared(self) -> int:
-        """Number of objects that belong to the scene of every action: the first rows."""
+        """Number of objects that appear in the scene of every action: the first rows."""
         return len(self.objects) - self.n_private
 
     def check_offers(self) -> None:
@@ -212,7 +213,7 @@ class Decision:
         Raises
         ------
         InputError
-            If there is no such position.
+            If the position does not exist.
         """
         if not isinstance(position, (int, np.integer)) or not 0 <= position < len(self):
             raise InputError(f"position must name one of the {len(self)} available actions, got {position!r}")
@@ -258,14 +259,14 @@ def check_decision(decision: Decision, schema: Schema, action_types: Sequence[Ac
     Raises
     ------
     InputError
-        If the objects do not fit the schema, an infinite value appears, an action has an unknown type, an
-        argument is missing, superfluous or no object of the state, or an index is negative or appears twice.
+        If the objects do not fit the schema, a value is infinite, an action has an unknown type, an argument
+        is missing, superfluous or not an object of the state, or an index is negative or appears twice.
     """
     n_objects, width = decision.objects.shape
     if width != schema.width:
         raise InputError(f"objects has {width} columns, but the schema of the world has {schema.width}")
     if np.isinf(decision.objects).any():
-        raise InputError("objects holds an infinite value; use NaN for undefined values")
+        raise InputError("objects contains an infinite value; use NaN for undefined values")
     largest = max((action_type.arity for action_type in action_types), default=0)
     if decision.arguments.shape[1] != largest:
         raise InputError(

@@ -161,7 +161,7 @@ def test_what_makes_no_environment_is_an_input_error(make_env: Any) -> None:
 
 
 def test_an_object_that_is_no_environment_is_an_input_error() -> None:
-    with pytest.raises(InputError, match=r"make_env must make a gymnasium.Env, it made 3"):
+    with pytest.raises(InputError, match=r"make_env must return a gymnasium.Env, but returned 3"):
         check_world(lambda: 3)  # type: ignore[arg-type, return-value]  # the mistake under test
 
 
@@ -193,7 +193,7 @@ MASK = spaces.MultiBinary(1)
         (
             spaces.Dict({"location": LOCATION}),
             lambda seen: {"location": seen["location"]},
-            r"observations must hold \['location', 'mask'\], got \['location'\]",
+            r"observations must contain \['location', 'mask'\], got \['location'\]",
         ),
         (
             spaces.Dict({"location": LOCATION, "mask": spaces.MultiBinary((1, 1))}),
@@ -224,7 +224,7 @@ def test_observations_lie_in_their_space() -> None:
     def far(seen: dict[str, Any]) -> dict[str, Any]:
         return seen | {"location": seen["location"] + 2.0}
 
-    with pytest.raises(AssertionError, match=r"^observation: .* lies outside the space"):
+    with pytest.raises(AssertionError, match=r"^observation: .* is not in the observation space"):
         check_world(lambda: TransformObservation(CorridorEnv(), far, CorridorEnv().observation_space))
 
 
@@ -245,7 +245,7 @@ def test_discounting_changes_nothing_where_the_discount_is_one() -> None:
     def make() -> gymnasium.Env[Any, Any]:
         return corridor(discount=lambda _: 1.0, **stepping(reward=1.0, discounted_reward=0.9))()
 
-    with pytest.raises(AssertionError, match=r"^step: .* is 0.9, the reward 1.0, though the discount is 1"):
+    with pytest.raises(AssertionError, match=r"^step: .* is 0.9 and the reward 1.0, but the discount is 1"):
         check_world(make)
 
 
@@ -282,7 +282,7 @@ def test_trajectories_depend_on_the_seed_only() -> None:
         made.append(CorridorEnv(noise=0.05 if len(made) % 2 else 0.06))
         return made[-1]
 
-    with pytest.raises(AssertionError, match=r"^determinism: two runs with the seed 4 differ at moment"):
+    with pytest.raises(AssertionError, match=r"^determinism: two runs with seed 4 differ at moment"):
         check_world(make, seed=4)
 
 
@@ -297,21 +297,24 @@ def test_trajectories_depend_on_the_seed_only() -> None:
         ({"schema": lambda schema: Schema(schema.attributes, ("A",))}, "world: schema .* without parameters"),
         ({"action_types": list}, "world: action_types must be a tuple of ActionType"),
         ({"action_types": lambda _: ()}, "world: action_types"),
-        ({"action_types": lambda _: (ActionType("left"),) * 2}, "world: two action types have the same name"),
+        (
+            {"action_types": lambda _: (ActionType("left"),) * 2},
+            "world: action types must have different",
+        ),
         (deciding(objects=np.zeros((1, 2))), "decision: objects has 2 columns"),
         (deciding(types=np.array([0, 2])), "decision: action 1 has type 2"),
-        (deciding(**NO_ACTIONS), "decision: there is no action"),
-        ({"decision": lambda original: lambda: shuffled(original())}, "decision: asking twice"),
-        (deciding(n_private=1), "scene: its objects must be those of decision\\(\\) that are not private"),
-        (deciding(indices=np.array([0, 2])), "action_mask: must be 1 exactly at the indices"),
+        (deciding(**NO_ACTIONS), "decision: a state that is not terminal must offer an action"),
+        ({"decision": lambda original: lambda: shuffled(original())}, "decision: two calls of decision"),
+        (deciding(n_private=1), "scene: its objects must be the shared objects of decision\\(\\)"),
+        (deciding(indices=np.array([0, 2])), "action_mask: must be 1 only at the indices"),
         (after(lambda _, info: info.pop("action_mask")), "action_mask: .* must be an int8 array"),
         (after(lambda _, info: info.update(action_mask=np.ones(2))), "action_mask: .* must be an int8 array"),
         (
             after(lambda _, info: info.update(action_mask=np.ones(3, np.int8))),
             r"action_mask: .* shape \(2,\)",
         ),
-        (after(lambda _, info: info["action_mask"].__imul__(2)), "action_mask: must be 1 exactly"),
-        (after(lambda _, info: info["action_mask"].put(0, 0)), "action_mask: must be 1 exactly"),
+        (after(lambda _, info: info["action_mask"].__imul__(2)), "action_mask: must be 1 only"),
+        (after(lambda _, info: info["action_mask"].put(0, 0)), "action_mask: must be 1 only"),
         (masking(lambda masks: masks.astype(np.int8)), r"action_mask: action_masks\(\) must be array.* got"),
         (masking(lambda masks: ~masks), r"action_mask: action_masks\(\) must be"),
         (masking(lambda masks: masks[:1]), r"action_mask: action_masks\(\) must be"),
@@ -321,13 +324,13 @@ def test_trajectories_depend_on_the_seed_only() -> None:
             after(
                 lambda _, info: info.update(scene=other_scene(info["scene"], schema=Schema([Attribute("x")])))
             ),
-            "scene: its schema must be that of the world",
+            "scene: its schema must be the schema of the world",
         ),
         (
             after(lambda _, info: info.update(scene=other_scene(info["scene"], matrix=np.array([[7.0]])))),
-            "scene: its objects must be those of",
+            "scene: its objects must be the shared objects",
         ),
-        (after(lambda observation, _: observation["mask"].fill(0)), "observation: the mask shows 0 objects"),
+        (after(lambda observation, _: observation["mask"].fill(0)), "observation: the mask marks 0 objects"),
         (
             after(lambda observation, _: observation["location"].fill(0.123)),
             "observation: 'location' must hold the objects",
@@ -350,10 +353,10 @@ def test_violations_name_the_clause(patches: dict[str, Patch], message: str) -> 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        (lambda action: type(action) is int, "step must take 0 like an integer: odd"),
+        (lambda action: type(action) is int, "step\\(\\) must accept the action 0: odd"),
         (
             lambda action: isinstance(action, np.ndarray),
-            r"step must take array\(0\) like an integer: odd",
+            r"step\(\) must accept the action array\(0\): odd",
         ),
     ],
 )
@@ -377,7 +380,7 @@ def test_integers_of_any_kind_are_the_same_action() -> None:
     def make() -> gymnasium.Env[Any, Any]:
         return TransformAction(CorridorEnv(), careless, spaces.Discrete(2))
 
-    with pytest.raises(AssertionError, match=r"^action: array\(0\) must do the same as the integer 0"):
+    with pytest.raises(AssertionError, match=r"^action: array\(0\) must have the same effect as"):
         check_world(make)
 
 

@@ -185,7 +185,7 @@ def test_masks_of_many_games_agree_with_infos() -> None:
 def test_rendering_needs_its_mode(make: Make) -> None:
     env = make()
     env.reset(seed=0)
-    with pytest.raises(InputError, match=r'nothing to render with: make .* with render_mode="rgb_array"'):
+    with pytest.raises(InputError, match=r'needs a render mode: make .* with render_mode="rgb_array"'):
         env.render()
 
 
@@ -258,7 +258,7 @@ def test_a_window_shows_every_state(make: Make, monkeypatch: pytest.MonkeyPatch)
 def test_without_a_screen_a_window_is_an_error(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pygame", pygame_of(screen=False))
     with pytest.raises(
-        InputError, match=r'"human" needs a screen \(No available video device\): .*"rgb_array"'
+        InputError, match=r'"human" needs a display \(No available video device\): .*"rgb_array"'
     ):
         make("human")
 

@@ -1,7 +1,7 @@
-"""Pages that play recorded episodes of a world: one HTML file that needs no network.
+"""Pages that play recorded episodes of a world: one HTML file that works offline.
 
-A world brings ``episode_player.html``, ``.css`` and ``.js`` in its package: the page, what its style adds to
-that of all players, and the script that draws. What all players share stands beside this module.
+The package of a world contains ``episode_player.html``, ``.css`` and ``.js``: the page, its additions to the
+common style, and the script that draws. The parts common to all players are next to this module.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ def player_page(package: str, game: Mapping[str, Any]) -> str:
     Returns
     -------
     str
-        HTML. Style, program and data are part of it; it may be opened from a disk.
+        HTML with style, script and data included; it can be opened from disk.
 
     Raises
     ------
     InputError
-        If a part of the player is missing in this installation.
+        If a part of the player is missing from this installation.
     ValueError
-        If ``game`` holds a number that is not finite.
+        If ``game`` contains a number that is not finite.
     """
     parts = {
         "title": html.escape(str(game["title"])),
@@ -50,7 +50,7 @@ def player_page(package: str, game: Mapping[str, Any]) -> str:
         "script": f"{_asset(_SHARED, 'js')}\n\n{_asset(package, 'js')}",
         "data": _embedded(game),
     }
-    # In one pass, so that nothing inside a part is taken for a place to fill.
+    # In one pass, so that placeholders inside a part are not filled.
     return _PLACE.sub(lambda place: parts[place[1]], _asset(package, "html"))
 
 
@@ -63,5 +63,5 @@ def _embedded(document: Mapping[str, Any]) -> str:
 def _asset(package: str, suffix: str) -> str:
     data = pkgutil.get_data(package, f"episode_player.{suffix}")
     if data is None:
-        raise InputError(f"this installation of relforest lacks episode_player.{suffix}: install it again")
+        raise InputError(f"episode_player.{suffix} is missing from {package}: reinstall relforest")
     return data.decode("utf-8").rstrip("\n")

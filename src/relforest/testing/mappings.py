@@ -1,4 +1,4 @@
-"""What every mapping function promises, as a check that users can run on their own."""
+"""The properties of every mapping function, as a check that users can run on their own."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _INVARIANT: Final = {
 
 @runtime_checkable
 class CheckableMapping(Protocol):
-    """What a mapping function must have; see `relforest.mappings.Mapping`."""
+    """The interface of a mapping function; see `relforest.mappings.Mapping`."""
 
     @property
     def operation(self) -> str:
@@ -42,7 +42,7 @@ class CheckableMapping(Protocol):
 
     @property
     def attribute(self) -> Attribute:
-        """The attribute whose values are used."""
+        """The attribute that it maps."""
         ...
 
     @property
@@ -52,7 +52,7 @@ class CheckableMapping(Protocol):
 
     @property
     def arity(self) -> int:
-        """How many objects it takes."""
+        """Number of objects."""
         ...
 
     @property
@@ -73,7 +73,7 @@ class CheckableMapping(Protocol):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sample:
-    """Objects with an attribute before and one behind the attribute asked about, and tuples of them."""
+    """Objects with one attribute before and one after the attribute under test, and tuples of objects."""
 
     mapping: CheckableMapping
     schema: Schema
@@ -99,19 +99,19 @@ class _Sample:
 
 
 def check_mapping(mapping: CheckableMapping, *, seed: int = 0) -> None:
-    """Check that a mapping function keeps what learning and prediction rely on.
+    """Check the properties of a mapping function that learning and prediction rely on.
 
     Parameters
     ----------
     mapping : Mapping
         Such as ``Mapping("reframe", Attribute("location", 2))``.
     seed : int
-        Seed of the objects that it is tried on.
+        Seed of the random objects.
 
     Raises
     ------
     InputError
-        If ``mapping`` is something else, or the seed is negative or no integer.
+        If ``mapping`` is not a mapping, or the seed is not an integer of at least 0.
     AssertionError
         If a clause is violated; the message begins with the name of the clause.
 
@@ -120,15 +120,15 @@ def check_mapping(mapping: CheckableMapping, *, seed: int = 0) -> None:
     The clauses, in the order of checking:
 
     - ``values``: shape (n, dim), finite for different objects that have the attribute, in [-pi, pi] on the
-      circle, the same when asked twice and whatever the other attributes are.
-    - ``undefined``: NaN throughout where an object is missing (-1) or a component of its attribute is NaN,
-      and nowhere else.
-    - ``orders``: the argument orders are permutations, none twice, and together with the claimed symmetry
-      they stand for all of them.
+      circle, repeatable, and independent of all other attributes.
+    - ``undefined``: NaN in all components if an object is missing (-1) or a component of its attribute is
+      NaN, and only then.
+    - ``orders``: the argument orders are different permutations which, together with the claimed symmetry,
+      represent all permutations.
     - ``symmetry``: if it is claimed, exchanging the first two objects moves all points by an isometry, so
       that a volume for one order has an exact counterpart for the other.
-    - ``invariance``: distances and frames do not change when all objects are moved or turned together (the
-      scaled frame also when everything grows), differences when all are moved.
+    - ``invariance``: distances and frames do not change when all objects are moved or turned together (nor
+      the scaled frame when everything grows), and differences do not change when all objects are moved.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def check_mapping(mapping: CheckableMapping, *, seed: int = 0) -> None:
     """
     rng = np.random.default_rng(at_least("seed", seed, 0))
     if isinstance(mapping, type) or not isinstance(mapping, CheckableMapping):
-        raise InputError(f'mapping must be a mapping, such as Mapping("distance", ...), got {mapping!r}')
+        raise InputError(f'mapping must be a function like Mapping("distance", ...), got {mapping!r}')
     sample = _draw(mapping, rng)
     _check_values(sample, rng)
     _check_undefined(sample, rng)
@@ -160,13 +160,13 @@ def _check_values(sample: _Sample, rng: np.random.Generator) -> None:
     if found.shape != expected:
         raise violation("values", f"the shape must be {expected}, got {found.shape}")
     if not np.isfinite(found).all():
-        raise violation("values", "a value is not finite although all objects have the attribute")
+        raise violation("values", "the value must be finite if all objects have the attribute")
     if sample.mapping.space == "circle" and (np.abs(found) > np.pi).any():
-        raise violation("values", "an angle lies outside [-pi, pi]")
+        raise violation("values", "angles must be in [-pi, pi]")
     others = rng.uniform(size=sample.matrix.shape)
     others[:, sample.columns] = sample.matrix[:, sample.columns]
     if not np.array_equal(sample.values(), found) or not np.array_equal(sample.values(matrix=others), found):
-        raise violation("values", f"they must depend on {sample.mapping.attribute.name!r} alone")
+        raise violation("values", f"they must depend only on {sample.mapping.attribute.name!r}")
 
 
 def _check_undefined(sample: _Sample, rng: np.random.Generator) -> None:
@@ -200,7 +200,7 @@ def _check_orders(mapping: CheckableMapping) -> None:
     if is_symmetric:
         reached |= {(b, a, *others) for a, b, *others in orders}
     if len(set(orders)) < len(orders) or reached != set(permutations(variables)):
-        raise violation("orders", f"{orders} do not stand for all orders of {variables} once each")
+        raise violation("orders", f"{orders} do not represent each order of {variables} exactly once")
 
 
 def _check_symmetry(sample: _Sample) -> None:
@@ -209,7 +209,7 @@ def _check_symmetry(sample: _Sample) -> None:
     places = [1, 0, *range(2, sample.mapping.arity)]
     before, after = _all_gaps(sample), _all_gaps(sample, sample.rows[:, places])
     if not np.allclose(before, after, rtol=1e-6, atol=1e-9):
-        raise violation("symmetry", "exchanging the first two objects is no isometry: claim no symmetry")
+        raise violation("symmetry", "exchanging two objects is not an isometry: do not claim symmetry")
 
 
 def _all_gaps(sample: _Sample, rows: Rows | None = None) -> Floats:
@@ -232,7 +232,7 @@ def _check_invariance(sample: _Sample, rng: np.random.Generator) -> None:
     for kind in _INVARIANT.get(sample.mapping.operation, ()):
         moved = sample.values(matrix=sample.moved(_motion(kind, sample.mapping.attribute.dim, rng)))
         if (_gaps(sample, moved, values) > 1e-6 * (1.0 + size)).any():
-            raise violation("invariance", f"a {kind} of all objects changes the values")
+            raise violation("invariance", f"the values must not change under a {kind} of all objects")
 
 
 def _motion(kind: str, dim: int, rng: np.random.Generator) -> Motion:

@@ -1,4 +1,4 @@
-"""The clauses that a world keeps at every moment of an episode; `worlds` says what each clause means."""
+"""The clauses that hold at every moment of an episode; `worlds` explains what each clause means."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def violation(clause: str, message: str) -> AssertionError:
 
 
 def walk(env: gymnasium.Env[Any, Any], seed: int, steps: int) -> Iterator[Moment]:
-    """Take random available actions through as many episodes as needed, then close the environment.
+    """Take random available actions, resetting at the end of each episode, then close the environment.
 
     Parameters
     ----------
@@ -106,9 +106,9 @@ def check_moment(
     except InputError as error:
         raise violation("decision", str(error)) from error
     if not _same_decision(decision, world.decision()):
-        raise violation("decision", "asking twice gives two different answers")
+        raise violation("decision", "two calls of decision() in the same state differ")
     if not len(decision) and not moment.is_terminal:
-        raise violation("decision", "there is no action in a state that is not terminal")
+        raise violation("decision", "a state that is not terminal must offer an action")
     _check_mask(moment.info.get("action_mask"), decision, env.action_space)
     if callable(getattr(world, "action_masks", None)):
         _check_masks(world.action_masks(), moment.info["action_mask"])
@@ -119,7 +119,7 @@ def check_moment(
 
 
 def same_moment(one: Moment, other: Moment) -> bool:
-    """Tell whether two moments are equal, up to entries of ``info`` that the conventions do not name."""
+    """Return whether two moments are equal, apart from entries of ``info`` outside the conventions."""
     return (
         data_equivalence(one.observation, other.observation, exact=True)
         and one.outcome == other.outcome
@@ -129,7 +129,7 @@ def same_moment(one: Moment, other: Moment) -> bool:
 
 
 def is_finite(value: object) -> TypeGuard[float]:
-    """Tell whether a value is a finite real number and not a bool."""
+    """Return whether a value is a finite real number and not a bool."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
@@ -154,7 +154,7 @@ def _check_mask(mask: object, decision: Decision, space: gymnasium.Space[Any]) -
     if not np.array_equal(mask, expected) or expected.sum() < len(decision):
         raise violation(
             "action_mask",
-            f"must be 1 exactly at the indices {decision.indices.tolist()} of decision(), is {mask.tolist()}",
+            f"must be 1 only at the indices of decision(), {decision.indices.tolist()}, got {mask.tolist()}",
         )
 
 
@@ -170,21 +170,21 @@ def _check_scene(scene: object, decision: Decision, schema: Schema) -> None:
     if not isinstance(scene, Scenes) or len(scene) != 1:
         raise violation("scene", f'info["scene"] must be Scenes of length 1, got {scene!r}')
     if scene.schema != schema:
-        raise violation("scene", f"its schema must be that of the world, {schema}, got {scene.schema}")
+        raise violation("scene", f"its schema must be the schema of the world, {schema}, got {scene.schema}")
     shared = decision.objects[: decision.n_shared]
     if not np.array_equal(scene.matrix[scene.objects(0)], shared, equal_nan=True):
-        raise violation("scene", "its objects must be those of decision() that are not private, in order")
+        raise violation("scene", "its objects must be the shared objects of decision(), in the same order")
 
 
 def _check_observation(
     observation: dict[str, Any], space: gymnasium.Space[Any], decision: Decision, schema: Schema
 ) -> None:
     if not space.contains(observation):
-        raise violation("observation", f"{observation!r} lies outside the space {space}")
+        raise violation("observation", f"{observation!r} is not in the observation space {space}")
     present = np.asarray(observation["mask"]).astype(np.bool_)
     if present.sum() != decision.n_objects:
         raise violation(
-            "observation", f"the mask shows {present.sum()} objects, decision() has {decision.n_objects}"
+            "observation", f"the mask marks {present.sum()} objects, but decision() has {decision.n_objects}"
         )
     for attribute in schema.attributes:
         values = np.asarray(observation[attribute.name])
@@ -214,5 +214,5 @@ def _check_step(
     if discount == 1 and not math.isclose(discounted, reward, rel_tol=1e-9, abs_tol=1e-12):
         raise violation(
             "step",
-            f'info["discounted_reward"] is {discounted}, the reward {reward}, though the discount is 1',
+            f'info["discounted_reward"] is {discounted} and the reward {reward}, but the discount is 1',
         )

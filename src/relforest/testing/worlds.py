@@ -18,27 +18,27 @@ from relforest.support.progress import report
 from relforest.testing.moments import Moment, check_moment, is_finite, same_moment, violation, walk
 
 MOST_STEPS: Final = 100_000
-"""Moments of all steps are kept for the comparison with a second run."""
+"""All moments are kept in memory, to be compared with a second run."""
 
 MakeEnv = Callable[[], gymnasium.Env[Any, Any]]
 
 
 def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
-    """Check that an environment is a world that learners of this library can use.
+    """Check that the learners of this library can use an environment as a world.
 
     Parameters
     ----------
     make_env : callable
         Makes a new environment, wrapped or not, such as ``lambda: gymnasium.make("relforest/Corridor-v0")``.
     seed : int
-        Seed of the environment and of the actions taken.
+        Seed of the environment and of the random actions.
     steps : int
-        Number of steps to take, 1 to 100 000; a new episode begins wherever one ends.
+        Number of steps to take, 1 to 100 000, resetting at the end of each episode.
 
     Raises
     ------
     InputError
-        If ``make_env`` does not make Gymnasium environments, or an option is out of range.
+        If ``make_env`` does not return a Gymnasium environment, or an option is out of range.
     AssertionError
         If a clause is violated; the message begins with the name of the clause.
 
@@ -46,25 +46,25 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     -----
     The clauses, in the order of checking:
 
-    - ``gymnasium``: Gymnasium's own ``check_env`` passes. It takes actions whatever the mask says, so a step
-      must accept an action that is unavailable (and may then do nothing).
+    - ``gymnasium``: Gymnasium's own ``check_env`` passes. It ignores the mask, so a step must accept
+      unavailable actions (and may then do nothing).
     - ``world``: ``env.unwrapped`` implements `World`, the schema has no parameters, action types have
       different names, and the discount is above 0 and at most 1.
     - ``spaces``: actions are ``Discrete`` from 0; observations are a ``Dict`` of one array (slots, dim) per
       attribute of the schema, a ``mask`` (slots,), and nothing else.
-    - ``decision``: it suits the schema and the action types, asking twice gives the same answer, and every
+    - ``decision``: it fits the schema and the action types, calling it twice gives the same result, and every
       state that is not terminal offers an action.
-    - ``action_mask``: int8, 1 exactly at the indices of the decision; if the world has a method
-      ``action_masks``, it returns the same as an array of bool.
-    - ``scene``: `Scenes` of length 1 with the schema of the world and the objects of the decision, in order,
-      without the private ones.
-    - ``observation``: it lies in the space; slots in the mask hold the objects in order, private ones too,
-      and the others hold 0. What stands for an undefined value is left to the world.
+    - ``action_mask``: int8, 1 exactly at the indices of the decision; the method ``action_masks``, if the
+      world has one, returns the same as bool.
+    - ``scene``: `Scenes` of length 1 with the schema of the world and the shared objects of the decision, in
+      the same order.
+    - ``observation``: it is in the observation space; slots in the mask hold all objects in order, including
+      private ones, and the others hold 0. The world chooses what represents an undefined value.
     - ``step``: flags are bool, the reward is finite, ``duration`` is finite and not negative,
-      ``discounted_reward`` is finite if present, and equal to the reward where the discount is 1.
+      ``discounted_reward`` is finite if present, and equals the reward if the discount is 1.
     - ``determinism``: the same seed and the same actions give the same trajectory.
-    - ``action``: a Python integer, a NumPy integer and a NumPy array without dimensions are the same action,
-      for learners pass all of them.
+    - ``action``: a Python integer, a NumPy integer and a zero-dimensional NumPy array, which learners all
+      use, have the same effect.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
         report("checking a world", len(moments))
     for number, again in enumerate(walk(_make(make_env), seed, steps)):
         if not same_moment(moments[number], again):
-            raise violation("determinism", f"two runs with the seed {seed} differ at moment {number}")
+            raise violation("determinism", f"two runs with seed {seed} differ at moment {number}")
     _check_kinds(make_env, seed)
 
 
@@ -96,20 +96,20 @@ def _check_kinds(make_env: MakeEnv, seed: int) -> None:
         try:
             observation, *outcome, info = env.step(action)
         except Exception as error:
-            raise violation("action", f"step must take {action!r} like an integer: {error}") from error
+            raise violation("action", f"step() must accept the action {action!r}: {error}") from error
         reward, terminated, truncated = outcome
         moments.append(Moment(observation, info, world.decision(), (reward, terminated, truncated)))
         env.close()
         if not same_moment(moments[0], moments[-1]):
-            raise violation("action", f"{action!r} must do the same as the integer {int(action)}")
+            raise violation("action", f"{action!r} must have the same effect as the integer {int(action)}")
 
 
 def _make(make_env: MakeEnv) -> gymnasium.Env[Any, Any]:
     if not callable(make_env):
-        raise InputError(f"make_env must be a function that makes an environment, got {make_env!r}")
+        raise InputError(f"make_env must be a function that returns an environment, got {make_env!r}")
     env = make_env()
     if not isinstance(env, gymnasium.Env):
-        raise InputError(f"make_env must make a gymnasium.Env, it made {env!r}")
+        raise InputError(f"make_env must return a gymnasium.Env, but returned {env!r}")
     return env
 
 
@@ -134,7 +134,7 @@ def _check_attributes(env: gymnasium.Env[Any, Any]) -> tuple[Schema, tuple[Actio
         raise violation("world", f"action_types must be a tuple of ActionType, got {action_types!r}")
     names = [action_type.name for action_type in action_types]
     if len(set(names)) < len(names):
-        raise violation("world", f"two action types have the same name: {names}")
+        raise violation("world", f"action types must have different names, got {names}")
     if not is_finite(discount) or not 0 < discount <= 1:
         raise violation("world", f"discount must be above 0 and at most 1, got {discount!r}")
     return schema, action_types
@@ -148,7 +148,7 @@ def _check_spaces(env: gymnasium.Env[Any, Any], schema: Schema) -> None:
         raise violation("spaces", f"the observation space must be a Dict, got {observations}")
     expected = {*schema.names, "mask"}
     if set(observations) != expected:
-        raise violation("spaces", f"observations must hold {sorted(expected)}, got {sorted(observations)}")
+        raise violation("spaces", f"observations must contain {sorted(expected)}, got {sorted(observations)}")
     mask = observations["mask"].shape
     if mask is None or len(mask) != 1:
         raise violation("spaces", f"the mask must have the shape (slots,), got {mask}")

@@ -1,7 +1,8 @@
 """Simulated worlds, each a Gymnasium environment that also implements `relforest.smdp.World`.
 
-Worlds are independent of learners and of each other. `registry` lists their names, and `registration`
-registers them with Gymnasium. Start with `corridor`, the smallest one.
+Worlds do not depend on learners or on each other. What their environments have in common is in `environment`,
+`arguments` and `viewing`; `registry` lists their names, and `registration` registers them with Gymnasium.
+Start with `corridor`, the smallest one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What all worlds accept from outside, and what they say about everything else."""
+"""Checks of the arguments that all worlds take: actions, seeds, reset options, render modes, generators."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from relforest.support.options import at_least
 Check: TypeAlias = Callable[[object], Any]
 
 RENDER_MODES: Final = ("rgb_array",)
-"""What every world draws by itself; `viewing` adds what Gymnasium's wrappers make of it."""
+"""The modes that worlds implement themselves; `viewing` adds those of Gymnasium's wrappers."""
 
 
 def checked_action(action: object, n_actions: int, meaning: str = "", name: str = "action") -> int:
@@ -28,14 +28,14 @@ def checked_action(action: object, n_actions: int, meaning: str = "", name: str 
     n_actions : int
         Size of the space.
     meaning : str
-        What the numbers stand for, for the message.
+        What the numbers mean, for the message.
     name : str
-        What to call the action in the message.
+        Name of the action in the message.
 
     Raises
     ------
     InputError
-        If it is not one of 0 to ``n_actions - 1``.
+        If it is not an integer from 0 to ``n_actions - 1``.
     """
     try:
         index = operator.index(action)  # type: ignore[arg-type]
@@ -68,12 +68,12 @@ def checked_reset_options(options: object, known: Mapping[str, Check] | None) ->
     options : object
         A mapping from names to values, or None.
     known : mapping of str to callable, optional
-        Name of each option of the world -> what checks its value and returns it; None lets all pass.
+        Name of each option of the world -> function that checks its value and returns it; None accepts all.
 
     Raises
     ------
     InputError
-        If it is neither, or an option is unknown or has a wrong value.
+        If it is neither, an option is unknown, or a value is wrong.
     """
     if options is None:
         return {}
@@ -89,7 +89,7 @@ def checked_reset_options(options: object, known: Mapping[str, Check] | None) ->
 
 
 def checked_render_mode(render_mode: object) -> str | None:
-    """Return a mode that a world renders in by itself, or None.
+    """Return a mode that worlds implement themselves, or None.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def checked_render_mode(render_mode: object) -> str | None:
 
 
 def entries(values: object) -> tuple[Any, ...]:
-    """Return the entries of what a user gives as a pair or a triple; none if it is not a sequence."""
+    """Return the entries of a pair or triple given by a user; () if it is not a sequence."""
     try:
         return tuple(values)  # type: ignore[arg-type]
     except TypeError:
@@ -113,7 +113,7 @@ def entries(values: object) -> tuple[Any, ...]:
 
 
 def checked_generator(rng: object) -> np.random.Generator:
-    """Return a source of random numbers.
+    """Return a generator of random numbers.
 
     Raises
     ------

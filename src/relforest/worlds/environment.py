@@ -1,4 +1,4 @@
-"""What the Gymnasium faces of all worlds have in common: one way to reset, to step, to mask and to draw."""
+"""The base of the Gymnasium environments of all worlds: reset, step, masks and rendering."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ Step = tuple[Arrays, float, bool, bool, Info]
 
 
 class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
-    """An environment that checks all it is given before anything changes.
+    """An environment that checks all arguments before it changes anything.
 
-    A world says how an episode begins (`_begin`), what an action does (`_act`), when the episode is over
-    (`_ended`), and how it looks (`_draw`).
+    A world implements how an episode begins (`_begin`), what an action does (`_act`), when the episode has
+    ended (`_ended`), and how it looks (`_draw`).
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     Raises
     ------
     InputError
-        If an option, an action, a seed or a reset option is not one that the world takes.
+        If an option, an action, a seed or a reset option is invalid.
     gymnasium.error.ResetNeeded
         On any use before the first `reset`, and on a step after the end of an episode.
     """
@@ -50,11 +50,11 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     observation_space: spaces.Dict
     action_space: spaces.Discrete
     unit: ClassVar[str]
-    """What the length of an episode is counted in."""
+    """The unit of the length of an episode."""
     action_meaning: ClassVar[str] = ""
-    """What the numbers of the actions stand for."""
+    """What the numbers of the actions mean."""
     reset_options: ClassVar[Mapping[str, Check]] = MappingProxyType({})
-    """Name of each option of `reset` -> what checks its value and returns it."""
+    """Name of each option of `reset` -> function that checks its value and returns it."""
 
     def __init__(self, render_mode: str | None) -> None:
         self.render_mode = checked_render_mode(render_mode)
@@ -68,7 +68,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
         Parameters
         ----------
         seed : int, optional
-            At least 0; the same seed gives the same episodes. Without one, random numbers continue.
+            At least 0; the same seed gives the same episodes. Without one, the random numbers continue.
         options : mapping, optional
             Those of `reset_options`.
         """
@@ -79,7 +79,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
         return result
 
     def step(self, action: SupportsIndex) -> Step:
-        """Take an action of the flat space: an integer of any kind."""
+        """Take an action of the flat space: a Python or NumPy integer."""
         self.check_running()
         return self._act(checked_action(action, int(self.action_space.n), self.action_meaning))
 
@@ -88,9 +88,9 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
         """Return the objects and the available ground actions of the present state."""
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Return which actions are available, (n_actions,), as learners that mask actions ask for it.
+        """Return which actions are available, (n_actions,), in the form that masking learners expect.
 
-        They are those of ``info["action_mask"]``. Wrappers do not pass the method on: use
+        The mask agrees with ``info["action_mask"]``. Wrappers do not forward this method: use
         ``env.get_wrapper_attr("action_masks")()``.
         """
         masks = np.zeros(int(self.action_space.n), dtype=np.bool_)
@@ -100,7 +100,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     def render(self) -> NDArray[np.uint8]:
         """Return a picture of the present state, (height, width, 3) uint8 RGB."""
         if self.render_mode is None:
-            raise InputError('nothing to render with: make the environment with render_mode="rgb_array"')
+            raise InputError('render() needs a render mode: make the world with render_mode="rgb_array"')
         self._check_begun()
         return self._draw()
 
@@ -118,7 +118,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
 
     @abstractmethod
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:
-        """Begin an episode and return what `reset` returns; ``np_random`` is seeded."""
+        """Begin an episode and return what `reset` returns; ``np_random`` has been seeded."""
 
     @abstractmethod
     def _act(self, action: int) -> Step:
@@ -126,7 +126,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
 
     @abstractmethod
     def _ended(self) -> int | None:
-        """Return how long the present episode was, in `unit`; None if it goes on."""
+        """Return the length of the episode in `unit` if it has ended, otherwise None."""
 
     @abstractmethod
     def _draw(self) -> NDArray[np.uint8]:

@@ -17,7 +17,7 @@ ENVIRONMENT_IDS: Final[Mapping[str, str]] = MappingProxyType(
         "arch": "relforest/Arch-v0",
     }
 )
-"""Name of a world, as the command line has it -> its identifier for ``gymnasium.make``."""
+"""Name of a world on the command line -> its identifier for ``gymnasium.make``."""
 
 _ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -29,7 +29,7 @@ _ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-# Worlds that play many games at once; `gymnasium.make_vec` prefers these.
+# Worlds that play many games at once; `gymnasium.make_vec` uses these by default.
 _VECTOR_ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
     {"relforest/Keepaway-v0": "relforest.worlds.keepaway.vector:KeepawayVectorEnv"}
 )
@@ -46,13 +46,13 @@ def environment_id(world: str) -> str:
     Raises
     ------
     InputError
-        If there is no such world; the message lists those that exist.
+        If the world is unknown; the message lists all worlds.
     """
     return ENVIRONMENT_IDS[one_of("world", world, tuple(ENVIRONMENT_IDS))]
 
 
 def register_worlds() -> None:
-    """Make every world known to ``gymnasium.make``; worlds that it knows already are left alone.
+    """Register all worlds with Gymnasium, skipping those that are registered already.
 
     Importing `relforest` does it: therefore ``gymnasium.make("relforest:relforest/Corridor-v0")`` works
     before any import.

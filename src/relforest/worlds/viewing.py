@@ -1,4 +1,4 @@
-"""Render modes that Gymnasium's wrappers add to every world: a window, and lists of pictures."""
+"""Render modes that Gymnasium's wrappers add to every world: a window and lists of pictures."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ Maker: TypeAlias = Callable[..., gymnasium.Env[Any, Any]]
 
 
 class NoWindowError(InputError, DependencyNotInstalled):
-    """A window is asked for and cannot be opened; the message says what is missing."""
+    """A window cannot be opened; the message names what is missing."""
 
 
 def viewable(make: Maker) -> Maker:
-    """Return what makes a world for ``gymnasium.make`` in all render modes.
+    """Return a constructor of a world that accepts all render modes, for ``gymnasium.make``.
 
     Parameters
     ----------
     make : callable
-        Makes the world; ``render_mode`` is its first parameter, ``"rgb_array"`` or None.
+        Constructor of the world. Its first parameter is ``render_mode``, ``"rgb_array"`` or None.
 
     Returns
     -------
     callable
-        The same with ``"human"``, a window that shows each state (Gymnasium's `HumanRendering`), and
-        ``"rgb_array_list"``, a list of all pictures since the last call (its `RenderCollection`).
+        It also accepts ``"human"``, which shows each state in a window (Gymnasium's `HumanRendering`), and
+        ``"rgb_array_list"``, which collects all pictures since the last call (its `RenderCollection`).
 
     Notes
     -----
-    Gymnasium would add the wrappers itself, but only to classes, and finds out that it cannot open a window
-    when the first episode begins.
+    Gymnasium adds these wrappers by itself, but only to classes, with a warning, and without checking in
+    advance that a window can be opened.
     """
 
-    # Annotated as little as possible: the world checks the mode.
+    # The world checks the type of the mode.
     def made(render_mode: Any = None, **options: Any) -> gymnasium.Env[Any, Any]:  # noqa: ANN401
         match render_mode:
             case "human":
@@ -68,6 +68,4 @@ def check_window() -> None:
     try:
         pygame.display.init()
     except pygame.error as error:
-        raise NoWindowError(
-            f'render_mode="human" needs a screen ({error}): log in with one, {remedy}'
-        ) from error
+        raise NoWindowError(f'render_mode="human" needs a display ({error}): start one, {remedy}') from error

@@ -70,5 +70,5 @@ def test_an_action_is_found_by_its_objects() -> None:
     )
     assert position_of(decision, 0, 2, 0) == 4
     assert position_of(decision, 1, 1) == 7
-    with pytest.raises(InputError, match=r"no action of type 0 with the objects \(1, 1\)"):
+    with pytest.raises(InputError, match=r"action type 0 with objects \(1, 1\)"):
         position_of(decision, 0, 1, 1)

@@ -116,7 +116,7 @@ def test_a_box_that_falls_off_the_table_is_removed() -> None:
     assert LOST <= lowest < LOST + 0.5
     assert engine.keys == (stays,)
     assert engine.poses().shape == (1, 3)
-    with pytest.raises(InputError, match="no box 1"):
+    with pytest.raises(InputError, match="box 1 does not exist"):
         engine.pose(falls)
 
 
@@ -281,7 +281,7 @@ def test_boxes_have_a_reasonable_size(half: float) -> None:
 def test_boxes_that_are_not_there_cannot_be_handled() -> None:
     engine = Engine()
     for use in (engine.pose, engine.remove, lambda key: engine.grab(key, springs((0, 0), (1, 1)))):
-        with pytest.raises(InputError, match="no box 7"):
+        with pytest.raises(InputError, match="box 7 does not exist"):
             use(7)
 
 

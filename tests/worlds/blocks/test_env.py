@@ -184,7 +184,7 @@ def test_a_block_that_falls_off_the_table_is_gone_and_its_actions_with_it() -> N
     assert observation["extent"].tolist() == [[2, 2], [0, 0]]
     assert info["mean_height"] == pytest.approx(env.state.poses[0, 1])
     assert not terminated
-    with pytest.raises(InputError, match=f"there is no block {lost}"):
+    with pytest.raises(InputError, match=f"block {lost} is not on the table"):
         env.perform("rotate", lost)
 
 
@@ -308,7 +308,7 @@ def test_pictures_are_made_on_request() -> None:
     assert picture.ndim == 3
     assert picture.dtype == np.uint8
     assert picture.std() > 0
-    with pytest.raises(InputError, match='make the environment with render_mode="rgb_array"'):
+    with pytest.raises(InputError, match='make the world with render_mode="rgb_array"'):
         arch_env().render()
 
 
@@ -347,10 +347,10 @@ def test_pictures_tell_what_was_done(monkeypatch: pytest.MonkeyPatch) -> None:
         ("put", (0, 1), "action must be one of 'rotate', 'move', 'done', got 'put'"),
         ("move", (0, float("nan")), "x must be a finite number"),
         ("move", (0, float("inf")), "x must be a finite number"),
-        ("move", (0,), r"got move with the arguments \(0,\)"),
-        ("rotate", (17,), "there is no block 17"),
+        ("move", (0,), r"got move with arguments \(0,\)"),
+        ("rotate", (17,), "block 17 is not on the table"),
         ("rotate", (0.5,), "id of a block must be an integer"),
-        ("done", (1,), "got done with the arguments"),
+        ("done", (1,), "got done with arguments"),
     ],
 )
 def test_a_command_that_cannot_be_carried_out_changes_nothing(
@@ -397,7 +397,7 @@ def test_a_far_away_target_is_given_up() -> None:
         (color_grouping_env, {"distance": "lab"}, "distance must be one of"),
         (arch_env, {"sampler": "all"}, "sampler must be one of"),
         (arch_env, {"size": (0.0, 4.0)}, "size must be a number of at least 0.02 and of at most 10, got 0.0"),
-        (high_towers_env, {"sides": (4.0, 2.0)}, "sides must be the least and the greatest side"),
+        (high_towers_env, {"sides": (4.0, 2.0)}, "sides must be the smallest and the largest side"),
         (high_towers_env, {"sides": 4.0}, "sides must be two lengths, got 4.0"),
         (
             color_grouping_env,

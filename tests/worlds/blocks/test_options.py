@@ -240,7 +240,7 @@ def test_a_block_that_is_carried_beyond_the_table_is_lost() -> None:
     assert [block.id for block in sim.blocks] == [1]
     assert result.grasped
     assert result.steps < 2000
-    with pytest.raises(InputError, match="no block 0"):
+    with pytest.raises(InputError, match="block 0 is not on the table"):
         rotate(sim, 0)
 
 
@@ -264,12 +264,12 @@ def test_places_are_finite_numbers(x: Any) -> None:
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        (lambda sim: put(sim, 0, 9), "no block 9"),
-        (lambda sim: put(sim, 9, 0), "no block 9"),
+        (lambda sim: put(sim, 0, 9), "block 9 is not on the table"),
+        (lambda sim: put(sim, 9, 0), "block 9 is not on the table"),
         (lambda sim: put(sim, 1, 1), "on itself"),
-        (lambda sim: rotate(sim, -1), "no block -1"),
-        (lambda sim: isolate(sim, 9), "no block 9"),
-        (lambda sim: move(sim, 9, 0.0), "no block 9"),
+        (lambda sim: rotate(sim, -1), "block -1 is not on the table"),
+        (lambda sim: isolate(sim, 9), "block 9 is not on the table"),
+        (lambda sim: move(sim, 9, 0.0), "block 9 is not on the table"),
     ],
 )
 def test_options_refuse_what_they_cannot_do(

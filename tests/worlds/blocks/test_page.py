@@ -107,7 +107,7 @@ def test_a_block_that_fell_from_the_table_is_gone_for_good() -> None:
     with pytest.raises(InputError, match="none after it has fallen off the table"):
         page([replace(game, poses=poses)])
     poses[:, 3] = np.nan
-    with pytest.raises(InputError, match="must have a place at the beginning"):
+    with pytest.raises(InputError, match="must have a pose at the beginning"):
         page([replace(game, poses=poses)])
 
 

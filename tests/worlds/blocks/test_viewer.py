@@ -158,12 +158,12 @@ def test_a_score_without_a_caption_takes_its_line() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"half_extents": SIDES[:, :1]}, r"half_extents must hold finite numbers of the shape \(2, 2\)"),
-        ({"poses": POSES[:1]}, r"poses must hold finite numbers of the shape \(2, 3\), got \(1, 3\)"),
-        ({"poses": POSES * np.nan}, "poses must hold finite numbers"),
-        ({"colors": COLORS[:, :2]}, r"colors must hold finite numbers of the shape \(2, 3\)"),
-        ({"ids": [1]}, "ids must name all 2 blocks, got 1 of them"),
-        ({"tool": [1.0]}, "tool must hold two finite numbers"),
+        ({"half_extents": SIDES[:, :1]}, r"half_extents must contain finite numbers in shape \(2, 2\)"),
+        ({"poses": POSES[:1]}, r"poses must contain finite numbers in shape \(2, 3\), got \(1, 3\)"),
+        ({"poses": POSES * np.nan}, "poses must contain finite numbers"),
+        ({"colors": COLORS[:, :2]}, r"colors must contain finite numbers in shape \(2, 3\)"),
+        ({"ids": [1]}, "ids must name all 2 blocks, got 1"),
+        ({"tool": [1.0]}, "tool must be two finite numbers"),
     ],
 )
 def test_wrong_shapes_and_numbers_are_refused(change: dict[str, object], message: str) -> None:

@@ -369,7 +369,7 @@ def test_state_variables_instead_of_scenes() -> None:
 
 
 def test_state_variables_are_of_keepaway() -> None:
-    with pytest.raises(InputError, match="only keepaway has these state variables, got CorridorEnv"):
+    with pytest.raises(InputError, match="env must be keepaway, got CorridorEnv"):
         StateVariables(gymnasium.make("relforest/Corridor-v0"))
 
 

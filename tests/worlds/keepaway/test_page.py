@@ -145,5 +145,5 @@ def test_states_that_are_not_finite_are_refused() -> None:
 def test_an_installation_without_the_page_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("pkgutil.get_data", lambda *_: None)
 
-    with pytest.raises(InputError, match=r"lacks episode_player.css: install it again"):
+    with pytest.raises(InputError, match=r"episode_player.css is missing from .*: reinstall relforest"):
         page([recording()])

@@ -107,8 +107,8 @@ def test_the_state_is_that_of_all_players_and_the_ball() -> None:
 @pytest.mark.parametrize(
     ("own", "other", "message"),
     [
-        (0, 0, r"keeper_\d does not decide now and can only wait \(3\), got 0; keeper_\d decides"),
-        (WAIT, WAIT, r"keeper_\d must decide: give it an action from 0 to 2"),
+        (0, 0, r"keeper_\d can only wait \(3\) while keeper_\d decides, got 0"),
+        (WAIT, WAIT, r"keeper_\d must decide: pass its action, from 0 to 2"),
         (None, WAIT, r"must be an integer from 0 to 3 \(.*; the last one: wait\), got None"),
         (4, WAIT, r"must be an integer from 0 to 3 \(.*\), got 4"),
         (float("nan"), WAIT, r"must be an integer from 0 to 3 \(.*\), got nan"),
@@ -132,7 +132,7 @@ def test_wrong_use_is_an_error() -> None:
     with pytest.raises(InputError, match=r"keeper_\d must decide"):
         env.step({})
     with pytest.raises(
-        InputError, match=r"agents are keeper_0, keeper_1, keeper_2, got actions of .'taker_0'"
+        InputError, match=r"actions must belong to keeper_0, keeper_1, keeper_2, got .'taker_0'"
     ):
         env.step({"taker_0": 0})
     with pytest.raises(InputError, match="keepers must be an integer from 2 to 32"):

@@ -157,7 +157,7 @@ def test_values_may_be_arrays_of_integers() -> None:
 def test_recordings_that_do_not_fit_into_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("relforest.worlds.keepaway.recorder.MOST_RECORDED", 20)
     assert record_episodes("hold", KeepawayOptions(max_cycles=10), 2)
-    with pytest.raises(InputError, match=r"longer than the 20 cycles .* choose fewer, or a smaller"):
+    with pytest.raises(InputError, match=r"exceed 20 cycles, .* choose fewer episodes or a smaller"):
         record_episodes("hold", KeepawayOptions(max_cycles=10), 3)
 
 

@@ -154,9 +154,9 @@ def test_what_is_far_outside_stays_in_the_picture(viewer: KeepawayViewer) -> Non
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"players": PLAYERS[:3]}, r"players must hold finite numbers of the shape \(4, 5\), got \(3, 5\)"),
-        ({"players": PLAYERS * np.nan}, "players must hold finite numbers"),
-        ({"ball": BALL[:2]}, r"ball must hold finite numbers of the shape \(4,\)"),
+        ({"players": PLAYERS[:3]}, r"players must contain finite numbers in shape \(4, 5\), got \(3, 5\)"),
+        ({"players": PLAYERS * np.nan}, "players must contain finite numbers"),
+        ({"ball": BALL[:2]}, r"ball must contain finite numbers in shape \(4,\)"),
         ({"actor": 3}, "from -1 to 2, got 3 and -1"),
         ({"actor": 0, "action": 3}, "from -1 to 2, got 0 and 3"),
         ({"actor": 0, "values": [1.0, 2.0]}, r"values must have the shape \(3,\), got \(2,\)"),

@@ -2,15 +2,15 @@
 
 The simulated world of Palmer (2015), sections 5.3.1 and 7.4, on the engine Box2D.
 
-Start with `engine` (boxes, a table, springs; `box` is one of the boxes), `blocks` (what blocks are) and
-`simulation` (blocks on the table, and time). `options` are what the robot can do, in stages that `arm`
-performs; `grasp` decides how to hold a block, and `handling`, made of `noise` and `overlap`, how precisely,
-and what lies below it.
+Start with `engine` (a table, boxes and springs; `box` is a single box), `blocks` (the properties of blocks)
+and `simulation` (blocks on the table, and time). `options` are the skills of the robot, made of stages in
+`arm`; `grasp` places the springs that hold a block; `handling`, consisting of `noise` and `overlap`, sets how
+precise the robot is and which blocks it considers to be below another.
 
-`state`, `scene`, `stacks`, `scores` (with `color`) and `arch` describe what can be seen and what it is worth;
-`tasks`, `actions` and `samplers` what can be done; `policies` (with `plan`) choose among that, and `env` is
-the Gymnasium face: ``relforest/HighTowers-v0``, ``relforest/ColorGrouping-v0`` and ``relforest/Arch-v0``.
-`balance` and `drop_on` simulate the outcome of one action. `viewer`, `recorder` and `page` draw.
+`state`, `scene`, `stacks`, `scores` (with `color`) and `arch` describe and score states; `tasks`, `actions`
+and `samplers` define what can be done; `policies` (with `plan`) decide; and `env` is the Gymnasium
+environment of ``relforest/HighTowers-v0``, ``relforest/ColorGrouping-v0`` and ``relforest/Arch-v0``.
+`balance` and `drop_on` are outcomes of one action. `viewer`, `recorder` and `page` draw.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The ground actions of a task as one flat list: what the members of the ``Discrete`` space mean.
 
 Objects have slots: one per block, in the order in which the blocks were dropped, then one per target that a
-sampler may offer. Slots never change during an episode, though blocks may fall off the table and targets come
-and go; so an action keeps its number, and is unavailable while one of its objects is missing.
+sampler may offer. Slots do not change during an episode, although blocks may fall off the table and targets
+come and go; so an action keeps its number, and is unavailable while one of its objects is missing.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ _REMEMBERED: Final = 64
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """The ground actions that are available while certain objects are there.
+    """The ground actions that are available while certain objects are present.
 
     Parameters
     ----------
     types : (m,) int64
         Position among the action types.
     arguments : (m, k) int64
-        Bound objects, counted among those that are there; `UNBOUND` beyond the arity.
+        Bound objects, counted among those present; `UNBOUND` beyond the arity.
     indices : (m,) int64
         Numbers of the actions, ascending.
     mask : (n,) int8
@@ -77,7 +77,7 @@ class FlatActions:
         return len(self.types)
 
     def offer(self, present: NDArray[np.bool_], movers: NDArray[np.int64]) -> Offer:
-        """Return the actions whose objects are all there; offers are remembered, for most are made again.
+        """Return the actions for which all objects are present; offers are cached because most recur.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class FlatActions:
         return offer
 
     def nothing(self) -> Offer:
-        """Return the offer of a terminal state, which holds no action."""
+        """Return the offer of a terminal state, which is empty."""
         none = np.empty(0, dtype=np.int64)
         return Offer(none, self.slots[none], none, np.zeros(len(self), dtype=np.int8))
 
@@ -167,5 +167,5 @@ def position_of(decision: Decision, action_type: int, *objects: int) -> int:
         is_it &= decision.arguments[:, column] == row
     found = np.flatnonzero(is_it)
     if not len(found):
-        raise InputError(f"the decision offers no action of type {action_type} with the objects {objects}")
+        raise InputError(f"action type {action_type} with objects {objects} is not available in this state")
     return int(found[0])

@@ -1,4 +1,4 @@
-"""Whether there is an arch, and how good it is.
+"""Finds arches and rates them.
 
 References
 ----------
@@ -20,7 +20,7 @@ from relforest.worlds.blocks.state import ON_TABLE, BlocksState
 @final
 @dataclass(frozen=True, slots=True)
 class Arch:
-    """An arch: a block that two others hold up, and the open rectangle under it.
+    """An arch: a block supported by two others, and the open rectangle under it.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def find_arch(state: BlocksState) -> Arch | None:
     """Return the best arch of a state, or None.
 
     A block is the top of an arch if it is entirely above the table rather than resting on it, no other block
-    is under its centre, and it touches two blocks, the supports, whose midpoints are lower than its own.
+    is under its centre, and it touches two blocks, the supports, with midpoints lower than its own.
 
     Notes
     -----
@@ -63,7 +63,7 @@ def find_arch(state: BlocksState) -> Arch | None:
     - The open rectangle reaches from the right edge of the left support to the left edge of the right one,
       and from the table to the lowest point of the top block above that gap, so that a tilted top costs
       height. Where further blocks reach into the gap, it begins at the highest of them instead.
-    - Of several arches the one with the largest area counts. One whose area is 0 is none.
+    - Of several arches, the one with the largest area counts. An arch must have an area above 0.
     """
     bounds = state.bounds
     arches = [arch for top in range(len(state)) for arch in _arches_under(state, bounds, top)]

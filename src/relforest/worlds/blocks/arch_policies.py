@@ -1,6 +1,6 @@
 """The two hand-made policies of the arch task: one that is careful, one that errs on purpose.
 
-Both follow `relforest.worlds.blocks.plan`, whose moves a world offers with ``sampler="expert"`` only.
+Both follow `relforest.worlds.blocks.plan`; its moves are only available with ``sampler="expert"``.
 
 References
 ----------
@@ -24,7 +24,7 @@ from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import ARCH_ACTIONS, DONE, MOVE, ROTATE
 
 ERROR: Final = 0.5
-"""Probability that the trainer leaves a support as it lies, and that it goes on though there is an arch."""
+"""Probability that the trainer leaves a support lying, and that it continues although an arch is finished."""
 
 EXPLORATION: Final = 0.1
 """Probability that the trainer acts at random."""
@@ -33,7 +33,7 @@ _ROTATE, _MOVE, _DONE = (ARCH_ACTIONS.index(kind) for kind in (ROTATE, MOVE, DON
 
 
 class ArchWorld(Protocol):
-    """The part of the world that these policies look at: contacts are not in the scene."""
+    """The part of the world that these policies use, because contacts are not in the scene."""
 
     @property
     def state(self) -> BlocksState:
@@ -42,7 +42,7 @@ class ArchWorld(Protocol):
 
 
 class Exploration(Protocol):
-    """Chooses when the trainer does not."""
+    """Chooses the random actions of the trainer."""
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return the position of an action in `decision`."""
@@ -52,9 +52,9 @@ class Exploration(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class CarefulPolicy:
-    """Rotate supports upright, space them, put the top on them, and say done when there is an arch.
+    """Rotate supports upright, space them, put the top on them, and choose done when the arch is finished.
 
-    It says done, too, when there are fewer than three blocks.
+    It also chooses done if fewer than three blocks are left.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class CarefulPolicy:
         Raises
         ------
         InputError
-            If `decision` does not offer the move.
+            If the move is not available.
         """
         decision.check_offers()
         state = self.world.state
@@ -82,7 +82,7 @@ class CarefulPolicy:
         return _planned_move(decision, plan)
 
     def is_finished(self, decision: Decision) -> bool:  # noqa: ARG002 - the protocol's
-        """Return False: it says done instead."""
+        """Return False: it chooses done instead."""
         return False
 
 
@@ -91,8 +91,8 @@ class CarefulPolicy:
 class TrainerPolicy:
     """The same plan, with purposeful errors: the experience that the arch is learned from.
 
-    With probability 0.1 it acts at random. Otherwise, it says done with probability 0.5 if there is an arch,
-    and skips the rotation of each lying support with probability 0.5.
+    With probability 0.1 it acts at random. Otherwise, it chooses done with probability 0.5 if the arch is
+    finished, and skips the rotation of each lying support with probability 0.5.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class TrainerPolicy:
 
     Notes
     -----
-    Whether a rotation is skipped is drawn anew at each decision; the source does not say so.
+    Whether a rotation is skipped is drawn again at each decision; the source does not specify this.
     """
 
     world: ArchWorld
@@ -115,7 +115,7 @@ class TrainerPolicy:
         Raises
         ------
         InputError
-            If `decision` does not offer the move.
+            If the move is not available.
         """
         decision.check_offers()
         state = self.world.state
@@ -130,7 +130,7 @@ class TrainerPolicy:
         return _planned_move(decision, plan)
 
     def is_finished(self, decision: Decision) -> bool:  # noqa: ARG002 - the protocol's
-        """Return False: it says done instead."""
+        """Return False: it chooses done instead."""
         return False
 
     def _explore(self, decision: Decision, plan: ArchPlan | None, rng: np.random.Generator) -> int:
@@ -153,7 +153,7 @@ def _planned_move(decision: Decision, plan: ArchPlan) -> int:
     found = moves[x == plan.x]
     if not len(found):
         raise InputError(
-            f"the decision offers no move of block {plan.block} to {plan.x:g}, which the plan asks for: make "
+            f"the planned move of block {plan.block} to {plan.x:g} is not available: make "
             'the environment with sampler="expert"'
         )
     return int(found[-1])

@@ -1,9 +1,9 @@
 """The stages of the options: grasp, lift, carry sideways, lower, drop.
 
-Every stage is cut off after 500 steps, and the next one goes on from wherever the block is. There is no
-signal of failure: if the grasp never succeeds, or the block falls off the table, the stages that carry it end
-at once. Where a stage carries the block to is settled when it begins, from the state at that time and with an
-error of its own. All numbers are those of the author's simulator.
+Every stage is cut off after 500 steps, and the next one continues from wherever the block is. Failure is not
+signalled: if the grasp never succeeds, or the block falls off the table, the stages that carry it end at
+once. A stage sets its goal when it begins, from the state at that time and with an error of its own. All
+numbers are those of the author's simulator.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ FARTHEST_GOAL: Final = 200.0
 """A goal farther than this from the origin, along either axis, is given up."""
 
 MOST_TRIES: Final = 30
-"""Points that are tried in one step to find one inside the block."""
+"""Points tried in one step to find one inside the block."""
 
 Point = tuple[float, float]
 
@@ -50,7 +50,7 @@ class OptionResult:
     timeouts : int
         Stages that were cut off after 500 steps.
     grasped : bool
-        Whether the block was held at all; False too for an option that did not need to.
+        Whether the block was held at all; also False for an option that did not need to hold it.
     """
 
     duration: float
@@ -70,7 +70,7 @@ class Arm:
     block : int
         Id of the block.
     handling : Handling
-        How precisely it works, and what it takes for below.
+        How precise it is, and which blocks it considers to be below another.
 
     Raises
     ------
@@ -143,11 +143,11 @@ class Arm:
         self._carry(by_its_length)
 
     def sideways(self, x: Callable[[], float]) -> None:
-        """Carry the block to an x, which is asked for when the stage begins."""
+        """Carry the block to an x that is computed when the stage begins."""
         self._carry(lambda: (x(), self._sim.pose(self._block)[1]))
 
     def lower(self, x: Callable[[], float]) -> None:
-        """Lower the block until it is just above those below it, at an x that is asked for now."""
+        """Lower the block until it is just above those below it, at an x that is computed now."""
 
         def just_above() -> Point:
             bounds, i = self._sim.bounds.tolist(), self._sim.index(self._block)
@@ -171,7 +171,7 @@ class Arm:
         return self.finish()
 
     def finish(self) -> OptionResult:
-        """Return how the option went; noticing that it has ended takes one more step."""
+        """Return how the option went; detecting its end takes one more step."""
         self._sim.step(1)
         steps = self._sim.steps - self._start
         return OptionResult(steps / STEPS_PER_SECOND, steps, self._timeouts, self._grasped)
@@ -193,7 +193,7 @@ class Arm:
         self._timeouts += 1
 
     def _carry(self, goal: Callable[[], Point]) -> None:
-        """Carry the block close to a goal, which is asked for only if the block is held."""
+        """Carry the block close to a goal, which is computed only if the block is held."""
         if self._sim.held != self._block:
             return
         goal_x, goal_y = goal()
@@ -211,5 +211,5 @@ class Arm:
         return math.remainder(self._sim.pose(self._block)[2] / math.pi, 2.0)
 
     def _is_turned(self) -> bool:
-        """Tell whether the block's own horizontal axis is nearer the vertical."""
+        """Return whether the block's own horizontal axis is nearer the vertical."""
         return abs(abs(self._half_turns()) - 0.5) < 0.25

@@ -50,12 +50,12 @@ def balance_scale_scenes(
     scenes : Scenes
         The weights, before anything moves, without arguments. Post and beam are not in the scene.
     labels : (n,) bool
-        Scenes in which the beam stays level are drawn again.
+        Scenes in which the beam stays level are redrawn.
 
     Raises
     ------
     InputError
-        If ``n`` or ``n_weights`` is out of its range.
+        If ``n`` or ``n_weights`` is out of range, or ``rng`` is not a Generator.
 
     References
     ----------
@@ -69,12 +69,12 @@ def balance_trial(rng: np.random.Generator, n_weights: tuple[int, int]) -> Trial
 
     Notes
     -----
-    The source leaves open when a tilt counts. Here it is when the beam has turned by 9 degrees, which is
-    where the author's simulator stops; the beam is level if all weights lie still before, or after 5.4 s.
+    The source does not specify when a tilt counts. Here it counts when the beam has turned by 9 degrees,
+    where the author's simulator stops; the beam is level if all weights come to rest before, or after 5.4 s.
     """
     smallest, largest = n_weights
     positions = place_weights(rng, int(rng.integers(smallest, largest + 1)))
-    # Shuffled, so that the order tells nothing of what stands on what.
+    # Shuffled, so that the order does not reveal what stands on what.
     rng.shuffle(positions)
     half_extents = np.full_like(positions, WEIGHT)
     colors = random_colors(rng, len(positions))
@@ -84,7 +84,7 @@ def balance_trial(rng: np.random.Generator, n_weights: tuple[int, int]) -> Trial
 
 
 def place_weights(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    """Return the centres of ``n`` weights: each somewhere on the beam, or on a stack that is there."""
+    """Return the centres of ``n`` weights: each somewhere on the beam, or on the stack at that place."""
     bases: list[float] = []
     levels: list[int] = []
     positions = np.empty((n, 2))
@@ -111,7 +111,7 @@ def _shift(rng: np.random.Generator) -> float:
 
 
 def tips_left(positions: NDArray[np.float64]) -> bool | None:
-    """Tell whether the left end of a beam with weights centred at (n, 2) positions goes down.
+    """Return whether the left end of a beam with weights centred at (n, 2) positions goes down.
 
     Returns None if the beam stays level.
     """

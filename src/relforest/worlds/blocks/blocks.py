@@ -1,4 +1,4 @@
-"""What a block is, and the two kinds of blocks that episodes begin with."""
+"""Blocks, and the two kinds of blocks that episodes begin with."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ARCH_HALF_EXTENTS: Final = (4.0, 2.0)
 """Half sides of the blocks of the arch task: 8 long, 4 high (Palmer (2015), section 7.4.3)."""
 
 MOST_DRAWN: Final = 100_000
-"""Blocks that are drawn at once."""
+"""Blocks in one call."""
 
 LARGEST_ID: Final = 2**62
 """Ids are kept as 64-bit integers."""
@@ -30,12 +30,12 @@ LARGEST_ID: Final = 2**62
 @final
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A rectangular block; where it is, only the simulation knows.
+    """A rectangular block; its pose is kept by the simulation.
 
     Parameters
     ----------
     id : int
-        Names the block; no other block of a simulation ever has the same.
+        Identifies the block; ids are unique within a simulation.
     half_extents : tuple of float
         Half the width and half the height while the block's angle is 0.
     color : tuple of float
@@ -44,8 +44,8 @@ class Block:
     Raises
     ------
     InputError
-        If the id is negative, a half extent is not a finite positive number, a part of the colour is outside
-        [0, 1], or there are not two and three of them.
+        If the id is not an integer from 0 to `LARGEST_ID`, or ``half_extents`` are not two finite positive
+        numbers or ``color`` three numbers from 0 to 1.
     """
 
     id: int
@@ -80,13 +80,13 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
     n : int
         Number of blocks, 0 to 100 000.
     first_id : int
-        The blocks are numbered from here; `BlocksSimulation.next_id` is never used before.
+        Id of the first block; `BlocksSimulation.next_id` is always unused.
 
     Notes
     -----
     Half extents are uniform between `SMALLEST_HALF` and `LARGEST_HALF`. Colours are uniform in hue,
-    saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale ones are
-    frequent.
+    saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale colours
+    are frequent.
     """
     rng, start = checked_generator(rng), between("first_id", first_id, 0, LARGEST_ID - MOST_DRAWN)
     return tuple(
@@ -105,7 +105,7 @@ def arch_blocks(rng: np.random.Generator, n: int = 3, *, first_id: int = 0) -> t
     n : int
         Number of blocks, 0 to 100 000.
     first_id : int
-        The blocks are numbered from here.
+        Id of the first block.
     """
     rng, start = checked_generator(rng), between("first_id", first_id, 0, LARGEST_ID - MOST_DRAWN)
     count = between("n", n, 0, MOST_DRAWN)

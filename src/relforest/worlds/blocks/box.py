@@ -30,15 +30,15 @@ class Box(NamedTuple):
         return x - across, x + across, y - up, y + up
 
     def is_moving(self, speed: float, spin: float) -> bool:
-        """Tell whether the box is not slower than both."""
+        """Return whether the box exceeds either."""
         x, y, turn = self.velocity
         return x * x + y * y >= speed * speed or abs(turn) >= spin
 
 
 def box_of(body: Any, half_extents: tuple[float, float]) -> Box:  # noqa: ANN401 - Box2D ships no types
-    """Return the box that a body at rest is."""
+    """Return the box of a body at rest."""
     rotation = body.transform.q
-    # Zeros are everywhere in memory: to tell where the velocity is kept, the body is given one for a moment.
+    # Memory is full of zeros: to find the velocity, give the body one for a moment.
     body.linearVelocity, body.angularVelocity = _PROBE[:2], _PROBE[2]
     velocity = shared(body.linearVelocity, *_PROBE)
     body.linearVelocity, body.angularVelocity = (0.0, 0.0), 0.0

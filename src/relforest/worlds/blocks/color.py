@@ -56,7 +56,7 @@ def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
     Returns
     -------
     (...) float64
-        At least 0; 1 is about what can just be seen. It is symmetric, but it is no metric.
+        At least 0; 1 is about what can just be seen. It is symmetric but not a metric.
 
     References
     ----------

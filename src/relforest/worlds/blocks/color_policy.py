@@ -25,16 +25,16 @@ _RGB: Final = COLOR_DISTANCES["rgb"]
 class ColorPolicy:
     """Isolate what does not match its group, then put isolated blocks into the group they match best.
 
-    It knows the groups exactly as they are scored, and compares colours in RGB, whatever the reward does: a
-    block matches a group if it is within 0.5 of the group's prototype.
+    It uses the groups as they are scored, but always compares colours in RGB, whichever distance the reward
+    uses: a block matches a group if it is within 0.5 of the group's prototype.
 
     Notes
     -----
-    Readings of what the source leaves open: of several blocks that do not match, the worst is isolated first;
-    of all isolated blocks and groups, the closest pair is joined first; an isolated block counts as a group
-    of one; the block goes onto the highest block of the group. When nothing is left to do it has finished; if
-    it must act, an isolated block is isolated, which only takes time, or, if all are in groups, the topmost
-    block of one is put again onto the next lower one.
+    Interpretations where the source is not specific: of several blocks that do not match, the worst is
+    isolated first; of all isolated blocks and groups, the closest pair is joined first; an isolated block
+    counts as a group of one; the block goes onto the highest block of the group. If the policy has finished
+    but must act, it isolates an isolated block, which only takes time, or, if all blocks are in groups, puts
+    the topmost block of a group onto the next lower one again.
 
     References
     ----------
@@ -48,12 +48,12 @@ class ColorPolicy:
         return _least_change(decision) if position is None else position
 
     def is_finished(self, decision: Decision) -> bool:
-        """Tell whether all blocks match their groups, and no isolated one matches another."""
+        """Return whether all blocks match their groups and isolated blocks do not match any other group."""
         return _improvement(decision) is None
 
 
 def _improvement(decision: Decision) -> int | None:
-    """Return the position of the action that the policy asks for, if there is one."""
+    """Return the position of an action that improves the groups, or None."""
     box, rgb, groups = _groups(decision)
     center = rgb[[_prototype(rgb, group) for group in groups]]
     own = np.empty(len(rgb), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""An action with everything it needs to be carried out."""
+"""An action with everything needed to carry it out."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def run_command(sim: BlocksSimulation, command: Command, handling: Handling) -> 
     Raises
     ------
     InputError
-        If there is no such option, it takes another number of arguments, a block is not on the table, or the
-        target is not a finite number. Nothing happens then.
+        If the option is unknown, the number of arguments is wrong, a block is not on the table, or the target
+        is not a finite number. The simulation is then unchanged.
     """
     match command.name, command.arguments:
         case "put", (block, destination):
@@ -65,7 +65,7 @@ def run_command(sim: BlocksSimulation, command: Command, handling: Handling) -> 
             return done(sim)
     raise InputError(
         "a command is put(block, destination), rotate(block), isolate(block), move(block, x) or done(), "
-        f"got {command.name} with the arguments {command.arguments}"
+        f"got {command.name} with arguments {command.arguments}"
     )
 
 

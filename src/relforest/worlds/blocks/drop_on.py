@@ -56,7 +56,7 @@ def drop_on_scenes(
     Raises
     ------
     InputError
-        If ``n`` or ``n_interferers`` is out of its range.
+        If ``n`` or ``n_interferers`` is out of range, or ``rng`` is not a Generator.
 
     References
     ----------
@@ -67,7 +67,7 @@ def drop_on_scenes(
 
 
 def drop_on_trial(rng: np.random.Generator, n_interferers: tuple[int, int]) -> Trial:
-    """Drop interferers one after the other, then A; undecided only if they pushed the support off the table.
+    """Drop interferers one after the other, then A; undecided only if they push the support off the table.
 
     Notes
     -----
@@ -94,7 +94,7 @@ def drop_on_trial(rng: np.random.Generator, n_interferers: tuple[int, int]) -> T
 
 
 def rests_over(engine: Engine, upper: int, lower: int) -> bool:
-    """Tell whether a box is there and its centre above that of another and between the ends of its bounds."""
+    """Return whether a remaining box has its centre above that of another and between its ends."""
     if upper not in engine.keys or lower not in engine.keys:
         return False
     left, right, _, _ = engine.bounds()[engine.keys.index(lower)]

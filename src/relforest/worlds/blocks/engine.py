@@ -1,12 +1,12 @@
 """Rigid boxes on a table: the only module that knows Box2D.
 
-A step is 0.01 s on the clock of the tasks, while the physics advance by `PHYSICS_STEP`: the author's
-simulator runs twice as fast as its clock, and all constants here are its constants. Speeds in this module are
-those of the physics.
+A step is 0.01 s on the clock of the tasks, while the physics advances by `PHYSICS_STEP`: the author's
+simulator runs twice as fast as its clock, and all constants here are its constants. Speeds in this module
+refer to physics time.
 
-The loops below cost little more than the steps of Box2D. They test after every step what must be tested, but
-nothing more: the box that was last seen to move is asked first whether it rests, and boxes that fall are
-looked for only when one could have come as far as the edge of the table.
+The loops below cost little more than the steps of Box2D, because they test only what is necessary after each
+step: the box that was last seen moving is tested for rest first, and falling boxes are looked for only when
+one could have reached the edge of the table.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from relforest.support.options import in_range
 from relforest.worlds.blocks.box import Box, box_of, shared
 
 with warnings.catch_warnings():
-    # Its wrapper warns while it is loaded, and cannot stand that a filter turns the warning into an error.
+    # Its wrapper emits a warning on import, and breaks if a filter turns the warning into an error.
     warnings.simplefilter("ignore", DeprecationWarning)
     import Box2D
 
 PHYSICS_STEP: Final = 0.02
-"""Seconds by which the physics advance in one step."""
+"""Seconds by which the physics advances in one step."""
 
 ITERATIONS: Final = 10
 GRAVITY: Final = 10.0
@@ -42,13 +42,13 @@ TABLE_HALF_WIDTH: Final = 100.0
 TABLE_HALF_HEIGHT: Final = 1.5
 
 LOST: Final = -5.0
-"""A box is lost, and removed, when all of it is lower than this; the top of the table is at 0."""
+"""A box that is entirely below this y is lost and removed; the top of the table is at 0."""
 
 HALF_SIDES: Final = (0.01, 100.0)
-"""Bounds of half the side of a box: the smallest is what Box2D takes for touching."""
+"""Bounds of half the side of a box: the smallest is the distance at which Box2D considers boxes to touch."""
 
 FARTHEST: Final = 1000.0
-"""Boxes may be put and carried up to this far from the origin, along each axis."""
+"""Boxes may be placed and carried up to this far from the origin, along each axis."""
 
 REST_SPEED: Final = 0.005
 REST_SPIN: Final = 0.01 * math.pi
@@ -57,7 +57,7 @@ REST_SPIN: Final = 0.01 * math.pi
 ARRIVED: Final = 0.01
 """A carried box has arrived when its centre is closer to the goal than this, and slower than `REST_SPEED`."""
 
-# Box2D moves no box farther in one step, but to push apart boxes that overlap.
+# Box2D does not move a box farther in one step, except to push overlapping boxes apart.
 _LONGEST_MOVE = 2.0
 
 
@@ -92,12 +92,12 @@ class Engine:
     Raises
     ------
     InputError
-        If the table has no finite positive width.
+        If the width of the table is not finite and positive.
 
     Notes
     -----
-    The same calls give the same numbers, bit for bit, on the same machine. Boxes that fall off the table are
-    removed (see `LOST`); ``keys`` tells which are left.
+    On one machine, the same calls give the same numbers, bit for bit. Boxes that fall off the table are
+    removed (see `LOST`); ``keys`` lists the remaining ones.
     """
 
     def __init__(self, *, table_half_width: float = TABLE_HALF_WIDTH) -> None:
@@ -125,7 +125,7 @@ class Engine:
 
     @property
     def keys(self) -> tuple[int, ...]:
-        """Keys of the boxes that are there, in the order in which they were added."""
+        """Keys of the remaining boxes, in the order in which they were added."""
         return tuple(self._boxes)
 
     @property
@@ -135,7 +135,7 @@ class Engine:
 
     @property
     def tool(self) -> tuple[float, float] | None:
-        """X and y of the point where a box is held, or was held last; None if none ever was."""
+        """X and y of the point where a box is held, or was last held; None before the first grasp."""
         if self._grip is None:
             return self._released
         box, (x, y) = self._boxes[self._grip.key], self._grip.point
@@ -145,14 +145,14 @@ class Engine:
     def add_box(
         self, half_extents: tuple[float, float], position: tuple[float, float], angle: float = 0.0
     ) -> int:
-        """Add a box at rest and return its key; keys count from 0 and are not used again.
+        """Add a box at rest and return its key; keys count from 0 and are never reused.
 
         Parameters
         ----------
         half_extents : tuple of float
             Half the width and half the height at angle 0.
         position : tuple of float
-            Of the centre. Overlapping boxes are pushed apart as time goes on.
+            Of the centre. Overlapping boxes are pushed apart over time.
         angle : float
             Radians, counter-clockwise.
 
@@ -181,7 +181,7 @@ class Engine:
         Raises
         ------
         InputError
-            If there is no such box.
+            If the box does not exist.
         """
         box = self._box(key)
         if self.held == key:
@@ -210,7 +210,7 @@ class Engine:
         Raises
         ------
         InputError
-            If there is no such box.
+            If the box does not exist.
         """
         box = self._box(key)
         return box.center[0], box.center[1], box.body.angle
@@ -230,7 +230,7 @@ class Engine:
         return frozenset(pairs)
 
     def step(self, n: int = 1) -> None:
-        """Let n steps pass, removing the boxes that fall off the table."""
+        """Advance by n steps, removing the boxes that fall off the table."""
         step = self._step
         while n > 0:
             burst = self._burst(n)
@@ -242,14 +242,14 @@ class Engine:
     def settle(
         self, max_steps: int, *, speed: float = REST_SPEED, spin: float = REST_SPIN
     ) -> tuple[int, bool]:
-        """Let steps pass, one at least, until all boxes are at rest.
+        """Advance until all boxes are at rest, by at least one step.
 
         Parameters
         ----------
         max_steps : int
-            Stop after as many.
+            Stop after this many steps.
         speed, spin : float
-            A box is at rest below both; ``math.inf`` for one that does not matter.
+            A box is at rest below both; ``math.inf`` to ignore one of them.
 
         Returns
         -------
@@ -267,7 +267,7 @@ class Engine:
         return taken, False
 
     def grab(self, key: int, springs: Sequence[Spring]) -> None:
-        """Hold a box by springs that are attached where the box is now, letting go of another.
+        """Hold a box by springs attached at its present location, releasing any other box.
 
         Parameters
         ----------
@@ -279,7 +279,7 @@ class Engine:
         Raises
         ------
         InputError
-            If there is no such box, or the number of springs is not 1, 2 or 3.
+            If the box does not exist, or the number of springs is not 1, 2 or 3.
         """
         box = self._box(key)
         if not 1 <= len(springs) <= 3:
@@ -295,7 +295,7 @@ class Engine:
         self._grip = _Grip(key, springs[0].point, joints, main, tuple(supports))
 
     def let_go(self) -> None:
-        """Release the box that is held, if there is one."""
+        """Release the box that is held, if any."""
         if self._grip is not None:
             self._released = self.tool
             for joint in self._grip.joints:
@@ -303,17 +303,17 @@ class Engine:
             self._grip = None
 
     def carry(self, goal: tuple[float, float], max_steps: int) -> tuple[int, bool]:
-        """Pull the box that is held until its centre has arrived at the goal, or is lost.
+        """Pull the held box until its centre has arrived at the goal or the box is lost.
 
         In each step the springs aim at where their points would be if the centre were at the goal and the box
-        as turned as it is.
+        kept its angle.
 
         Parameters
         ----------
         goal : tuple of float
-            Where the centre shall be.
+            Target of the centre.
         max_steps : int
-            Stop after as many.
+            Stop after this many steps.
 
         Returns
         -------
@@ -338,7 +338,7 @@ class Engine:
     def _settle_burst(self, steps: int, speed: float, spin: float) -> tuple[int, bool]:
         step, boxes = self._step, list(self._boxes.values())
         square = speed * speed
-        # The box that was last seen to move most likely still does.
+        # The box that was last seen moving is probably still moving.
         last = boxes[-1] if boxes else None
         for taken in range(1, steps + 1):
             step(PHYSICS_STEP, ITERATIONS, ITERATIONS)
@@ -363,7 +363,7 @@ class Engine:
             turned_x = cosine * point_x - sine * point_y
             turned_y = sine * point_x + cosine * point_y
             if not velocity[0] and not velocity[1]:
-                # It may be asleep; to be told of a target wakes it.
+                # It may be asleep; setting a target wakes it.
                 grip.joints[0].target = (x + turned_x, y + turned_y)
             main[0] = x + turned_x
             main[1] = y + turned_y
@@ -383,13 +383,13 @@ class Engine:
         return steps, False
 
     def _burst(self, steps: int) -> int:
-        """Return how many of the steps can be taken before boxes that fall must be looked for."""
+        """Return how many of the steps can be taken before the next search for falling boxes."""
         if self._sure_steps < 1:
             self._look_for_falling()
         return min(steps, self._sure_steps)
 
     def _account(self, steps: int) -> bool:
-        """Remove the boxes that were lost in these steps; return whether there were any."""
+        """Remove the boxes that were lost in these steps; return whether any were."""
         before = len(self._boxes)
         self._sure_steps -= steps
         if self._sure_steps < 1:
@@ -397,7 +397,7 @@ class Engine:
         return len(self._boxes) < before
 
     def _look_for_falling(self) -> None:
-        """Remove the boxes that are lost, and find out for how many steps no other can be."""
+        """Remove the boxes that are lost, and compute for how many steps no other box can be lost."""
         room = self._edge
         for key, box in tuple(self._boxes.items()):
             x, y = box.center
@@ -423,5 +423,5 @@ class Engine:
 
     def _box(self, key: int) -> Box:
         if key not in self._boxes:
-            raise InputError(f"there is no box {key!r}; it fell off the table, or never was there")
+            raise InputError(f"box {key!r} does not exist: it fell off the table, or was never added")
         return self._boxes[key]

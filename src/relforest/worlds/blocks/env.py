@@ -1,4 +1,4 @@
-"""The Gymnasium face of the tasks of the blocks world: wiring only."""
+"""The Gymnasium environment of the tasks of the blocks world."""
 
 from __future__ import annotations
 
@@ -46,45 +46,45 @@ class BlocksEnv(WorldEnv):
     """Blocks are dropped on a table; a robot lifts, turns and drops them, one option per step.
 
     An episode begins with the blocks at rest and is truncated after ``max_actions`` actions. It terminates
-    with the action ``done``, and in tasks without it when no block is left on the table to act on. A block
-    that falls off the table is gone for the rest of the episode.
+    with the action ``done``, or, in tasks without it, when no block is left to act on. A block that falls off
+    the table is gone for the rest of the episode. Without a seed, `reset` continues the numbering of blocks.
 
-    Observation: one slot per block, in the order in which they were dropped, then one per target that moves
-    may have, each with ``location`` (2,) in world units, ``extent`` (2,) half sizes, ``orientation`` (1,) in
-    radians, ``color`` (3,) and ``mask``; see `relforest.worlds.blocks.scene`. Targets have a location only:
-    what is undefined about them is 0 here and NaN in scenes.
+    Observation: one slot per block, in the order in which they were dropped, then one per possible target of
+    a move, each with ``location`` (2,) in world units, ``extent`` (2,) half sizes, ``orientation`` (1,) in
+    radians, ``color`` (3,) and ``mask``; see `relforest.worlds.blocks.scene`. Targets only have a location;
+    their undefined attributes are 0 here and NaN in scenes.
 
-    Actions: see `relforest.worlds.blocks.actions`. An action that is unavailable does nothing, in no time,
-    and counts as an action. `perform` takes actions by name, with ids and any target.
+    Actions: see `relforest.worlds.blocks.actions`. An unavailable action does nothing, takes no time, and
+    counts as an action. `perform` takes actions by name, with ids and any target.
 
-    Time is in simulated seconds, and so is ``info["duration"]``. The reward of an action is what its last
-    primitive step of 0.01 s earns. ``info["discounted_reward"]`` discounts it as Palmer (2015), section 2.1
-    does, r = sum of gamma^i r_i over the steps i = 0 to D - 1 of an option: from the beginning of that last
+    Time, including ``info["duration"]``, is in simulated seconds. The reward of an action is earned in its
+    last primitive step of 0.01 s. ``info["discounted_reward"]`` discounts it as in Palmer (2015), section
+    2.1, r = sum of gamma^i r_i over the steps i = 0 to D - 1 of an option: from the beginning of that last
     step, gamma**(duration - 0.01).
 
-    Besides what `relforest.smdp` asks for, ``info`` holds
+    In addition to the entries that `relforest.smdp` requires, ``info`` contains
 
-    - the score of the present state: ``mean_height``, ``grouping_score``, or ``arch_score``, which tells how
-      good the arch is though only ``done`` is paid for it;
+    - the score of the present state: ``mean_height``, ``grouping_score``, or ``arch_score``, which rates the
+      arch even though only ``done`` is rewarded;
     - ``option``, after a step: how the option went, an `OptionResult`.
 
     Parameters
     ----------
     task : Task
-        What can be done, and what it is worth.
+        The actions and the rewards.
     render_mode : {"rgb_array"}, optional
         Whether `render` returns pictures.
     n_blocks : int
-        Blocks of an episode, at least 1.
+        Blocks of an episode, 1 to the limit of the task (100; arch: 25).
     max_actions : int
-        Actions per episode, at least 1.
+        Actions per episode, 1 to 1000.
     handling : Handling
         How the robot handles blocks.
 
     Raises
     ------
     InputError
-        If an option lies outside its range, an action does not exist, or a reset is given options.
+        If an option is out of range, an action does not exist, a seed is invalid, or a reset has options.
     gymnasium.error.ResetNeeded
         On any use before the first `reset`, and on a step after the end of an episode.
 
@@ -94,6 +94,7 @@ class BlocksEnv(WorldEnv):
 
     Examples
     --------
+    >>> import gymnasium
     >>> env = gymnasium.make("relforest/HighTowers-v0")
     >>> observation, info = env.reset(seed=0)
     >>> action = env.action_space.sample(info["action_mask"])
@@ -140,13 +141,13 @@ class BlocksEnv(WorldEnv):
 
     @property
     def simulation(self) -> BlocksSimulation:
-        """The blocks themselves; to look at, for they are changed by actions only."""
+        """The simulation of the blocks, for inspection; only actions may change it."""
         self._check_begun()
         return self._simulation
 
     @property
     def moment(self) -> Moment:
-        """What an agent is shown at present."""
+        """What the agent sees at present."""
         self._check_begun()
         return self._moment
 
@@ -163,7 +164,7 @@ class BlocksEnv(WorldEnv):
         name : str
             One of the task's action types.
         *arguments
-            Ids of blocks, and x in world units for the target of a move, whether or not it is on offer.
+            Ids of blocks; for the target of a move, any x in world units, even if it is not a candidate.
         """
         self.check_running()
         one_of("action", name, [action_type.name for action_type in self.task.action_types])
@@ -171,7 +172,7 @@ class BlocksEnv(WorldEnv):
         return self._stepped(command, run_command(self.simulation, command, self._handling))
 
     def command(self, position: int) -> Command:
-        """Return what an available action does, with ids and the target as `perform` takes them.
+        """Return an available action with ids and target, in the form that `perform` takes.
 
         Parameters
         ----------
@@ -192,7 +193,6 @@ class BlocksEnv(WorldEnv):
         return self.moment.decision
 
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
-        # Without a seed, ids count on from the episode before.
         if seed is not None or not self._begun:
             self._simulation = BlocksSimulation(self.np_random)
         self._simulation.rng = self.np_random
@@ -216,7 +216,7 @@ class BlocksEnv(WorldEnv):
         return self._taken if over else None
 
     def _draw(self) -> NDArray[np.uint8]:
-        # It tells what was done last and earned, or what the task is, and shows where the robot let go.
+        # The caption is the last action and its reward, or the task; a ring shows where the robot let go.
         if self._viewer is None:
             self._viewer = BlocksViewer()
         state = self.state
@@ -266,12 +266,12 @@ def high_towers_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the task of building high: each action is paid the change of the mean height of the blocks.
+    """Return the high towers task: the reward is the change in the mean height of the blocks.
 
     Parameters
     ----------
     sides : pair of float
-        Least and greatest side of a block, from 0.02 to 10.
+        Smallest and largest side of a block, from 0.02 to 10.
     render_mode, n_blocks, max_actions, handling
         As for `BlocksEnv`.
     """
@@ -288,14 +288,14 @@ def color_grouping_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the task of stacking blocks of similar colours: each action is paid the change of the score.
+    """Return the task of stacking blocks of similar colours: the reward is the change in the score.
 
     Parameters
     ----------
     distance : {"ciede2000", "rgb"}
         How colours are compared.
     sides : pair of float
-        Least and greatest side of a block, from 0.02 to 10.
+        Smallest and largest side of a block, from 0.02 to 10.
     render_mode, n_blocks, max_actions, handling
         As for `BlocksEnv`.
     """
@@ -312,12 +312,12 @@ def arch_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the task of building an arch: only ``done`` is paid, with the area under the arch.
+    """Return the task of building an arch: only ``done`` is rewarded, with the area under the arch.
 
     Parameters
     ----------
     sampler : {"test", "training", "expert"}
-        Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
+        Which targets moves can have, see `relforest.worlds.blocks.samplers`.
     size : pair of float
         Width and height of all blocks, from 0.02 to 10.
     render_mode, n_blocks, max_actions, handling
@@ -330,4 +330,4 @@ def arch_env(
 make_high_towers = viewable(high_towers_env)
 make_color_grouping = viewable(color_grouping_env)
 make_arch = viewable(arch_env)
-"""Make the tasks for ``gymnasium.make``."""
+"""The entry points for ``gymnasium.make``."""

@@ -1,4 +1,4 @@
-"""How a block is held: up to three springs, whose strengths depend on where it is grasped.
+"""How a block is held: up to three springs, with strengths that depend on where it is grasped.
 
 Near its centre a block is held by two more springs at opposite faces, which keep it from turning; near an
 edge it hangs from one point and swings. The rules are those of the author's simulator.
@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 from relforest.worlds.blocks.engine import PHYSICS_STEP, Spring
 
 TOTAL_FORCE: Final = 2500.0
-"""Largest force of all springs together, whatever the mass of the block."""
+"""Largest total force of all springs, independent of the mass of the block."""
 
 SUPPORT_SHARE: Final = 0.6
 SUPPORT_POWER: Final = 5

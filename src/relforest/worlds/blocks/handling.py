@@ -14,19 +14,19 @@ from relforest.worlds.blocks.overlap import OVERLAPS, Overlap
 @final
 @dataclass(frozen=True, slots=True)
 class Handling:
-    """How precisely the robot grasps and carries, and which blocks it takes for lying below another.
+    """How precisely the robot grasps and carries, and which blocks it considers to be below another.
 
     Parameters
     ----------
     noise : Noise
-        The errors of the robot; ``Noise.none()`` leaves them out.
+        The errors of the robot; ``Noise.none()`` removes them.
     overlap : {"original", "interval"}
         How blocks below are found, see `relforest.worlds.blocks.overlap.overlapping`.
 
     Raises
     ------
     InputError
-        If ``noise`` is no Noise, or ``overlap`` is another word.
+        If ``noise`` is not a Noise, or ``overlap`` is not one of these words.
     """
 
     noise: Noise = field(default_factory=Noise)

@@ -1,4 +1,4 @@
-"""What an agent is shown at one moment: objects, actions, score, and their places in padded arrays."""
+"""What an agent sees at one moment: objects, actions, score, and their places in padded arrays."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Moment:
     ----------
     state : BlocksState
     score : float
-        What the task scores.
+        The score of the task.
     present : (n_slots,) bool
         Which slots hold an object: one slot per block of the episode, then one per target.
     decision : Decision
@@ -53,22 +53,22 @@ class Moment:
         """Return new padded arrays, 0 in empty slots and where an attribute is undefined."""
         objects = self.decision.objects
         padded = np.zeros((len(self.present), SCHEMA.width))
-        # Of blocks everything is defined.
+        # All attributes of blocks are defined.
         padded[self.present] = np.nan_to_num(objects) if self.decision.n_private else objects
         arrays: dict[str, NDArray[Any]] = {name: padded[:, columns].copy() for name, columns in _COLUMNS}
         arrays["mask"] = self.present.astype(np.int8)
         return arrays
 
     def info(self) -> dict[str, Any]:
-        """Return what the conventions of `relforest.smdp` ask for at a state."""
+        """Return the entries that the conventions of `relforest.smdp` require in a state."""
         return {"scene": self.scene, "action_mask": self.action_mask.copy()}
 
 
 @final
 class Watcher:
-    """Shows agents a task, moment after moment.
+    """Turns successive states of a task into moments.
 
-    It keeps what stays the same as long as no block is lost.
+    It caches everything that stays the same until a block is lost.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class Watcher:
 
     @property
     def n_slots(self) -> int:
-        """Number of objects that there is room for."""
+        """Number of slots for objects."""
         return self._n_slots
 
     def begin(self, ids: NDArray[np.int64]) -> None:
@@ -102,13 +102,13 @@ class Watcher:
         self._slots, self._scene = ids, None
 
     def look(self, state: BlocksState, *, ended: bool = False) -> Moment:
-        """Return what an agent is shown in a state of the episode.
+        """Return what an agent sees in a state of the episode.
 
         Parameters
         ----------
         state : BlocksState
         ended : bool
-            Whether nothing follows.
+            Whether the episode has terminated.
         """
         if self._scene is None or state.ids is not self._ids:
             self._scene, self._ids = scene(describe_state(state), state.ids.tolist()), state.ids

@@ -48,7 +48,7 @@ class Noise:
 
     @classmethod
     def none(cls) -> Noise:
-        """Return the noise of a robot that never errs; random numbers are drawn all the same."""
+        """Return the noise of a robot without errors; the same random numbers are drawn."""
         return cls(0.0, 0.0, 0.0)
 
 

@@ -1,8 +1,8 @@
 """The robot's options: put, rotate, isolate, move and done, each run from its beginning to its end.
 
-Palmer (2015), sections 7.4.1 to 7.4.3 describes them; the numbers are those of the author's simulator. An
-option always ends, after 5 stages of 5 s at the latest, and blocks that fell off the table are gone; `arm`
-tells what the stages do when something goes wrong.
+They are described in Palmer (2015), sections 7.4.1 to 7.4.3; the numbers are those of the author's simulator.
+An option always ends, after 5 stages of 5 s at the latest, and blocks that fall off the table are gone; `arm`
+describes what the stages do when something goes wrong.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SIDE_BUFFER: Final = 4.0
 WAIT_MEAN: Final = 1.0
 WAIT_DEVIATION: Final = 0.2
 SHORTEST_WAIT: Final = 0.5
-"""Options without physical effect take a Gaussian time in seconds, drawn again if shorter than this."""
+"""Options without physical effect take a Gaussian time in seconds, redrawn if shorter than this."""
 
 _HANDLING = Handling()
 
@@ -44,8 +44,8 @@ def put(
 ) -> OptionResult:
     """Lift block a, carry it above block b, lower it and let it go.
 
-    Blocks that lie on a are carried along or thrown off, and a comes down on whatever lies on b. If b falls
-    off the table meanwhile, a is lowered where it is.
+    Blocks on top of a are carried along or thrown off, and a comes down on whatever lies on b. If b falls off
+    the table in the meantime, a is lowered where it is.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def put(
     """
     sim.index(b)
     if a == b:
-        raise InputError(f"a block cannot be put on itself, got {a!r} twice; name two blocks")
+        raise InputError(f"a block cannot be put on itself, got {a!r} twice: name two blocks")
     arm = Arm(sim, a, handling)
 
     def above_b() -> float:
@@ -92,7 +92,7 @@ def move(
     a : int
         Id of a block.
     x : float
-        Any finite number. Beyond the table, the block falls and is gone; farther than 200 from the middle,
+        Any finite number. Beyond the table, the block falls off and is gone; more than 200 from the middle,
         the robot gives up and drops the block where it was lifted.
     handling : Handling
         How the robot handles blocks.
@@ -119,7 +119,8 @@ def rotate(
 ) -> OptionResult:
     """Lift block a by one end, so that it swings by a right angle, lower it and let it go.
 
-    Which end depends on the angle of the block, not on its shape: upright blocks are laid down likewise.
+    Which end depends on the angle of the block, not on its shape: upright blocks are laid down in the same
+    way.
 
     Parameters
     ----------
@@ -148,10 +149,10 @@ def isolate(
     *,
     handling: Handling = _HANDLING,
 ) -> OptionResult:
-    """Carry block a to where no other block is above or below it; if that is so already, only wait.
+    """Carry block a to where no other block is above or below it; if it already is there, only wait.
 
     It goes to the middle of the widest gap between the others if that leaves 2 units on both sides, and
-    otherwise beyond all of them, on the side whose last block reaches less far from the middle of the table.
+    otherwise beyond all of them, on the side where the outermost block is closer to the middle of the table.
 
     Parameters
     ----------
@@ -183,7 +184,7 @@ def done(sim: BlocksSimulation) -> OptionResult:
     Parameters
     ----------
     sim : BlocksSimulation
-        Time passes; nothing else is done. What ``done`` means is the task's affair.
+        Only time passes; the task decides what ``done`` means.
     """
     start = sim.steps
     sim.step(_waiting_steps(sim.rng) + 1)
@@ -199,7 +200,7 @@ def _waiting_steps(rng: np.random.Generator) -> int:
 
 
 def _free_place(sim: BlocksSimulation, a: int) -> float:
-    """Return where block a can be set down with nothing above or below it."""
+    """Return where block a can be set down without blocks above or below it."""
     others: list[tuple[float, float]] = [(left, right) for left, right, _, _ in sim.bounds.tolist()]
     own_left, own_right = others.pop(sim.index(a))
     if not others:

@@ -1,6 +1,6 @@
-"""One-step outcome tasks: a scene is set up, physics runs its course, and the result is the scene's label.
+"""One-step outcome tasks: a scene is set up, the physics runs, and the result is the scene's label.
 
-A *trial* is one such scene with its label; trials in which the outcome is undecided are drawn again.
+A *trial* is one such scene with its label; trials with an undecided outcome are redrawn.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from relforest.worlds.blocks.blocks import arch_blocks
 from relforest.worlds.blocks.scene import SCHEMA
 
 MOST_SCENES: Final = 100_000
-"""Scenes that are drawn at once, which takes minutes."""
+"""Scenes in one call, which takes minutes."""
 
 MOST_BLOCKS: Final = 20
-"""Blocks of a scene, apart from those that all scenes have: with many more, hardly any beam tips."""
+"""Weights or interferers in a scene; with many more, hardly any beam tips."""
 
 _MOST_TRIALS: Final = 100
 
@@ -32,14 +32,14 @@ _MOST_TRIALS: Final = 100
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
-    """One scene and what became of it.
+    """One scene and its outcome.
 
     Attributes
     ----------
     objects : (n, width) float64
         The blocks in the columns of the schema of the blocks world, before physics runs.
     arguments : tuple of int
-        Positions of the blocks that the arguments of the task name.
+        Positions of the blocks bound to the arguments of the task.
     outcome : bool or None
         The label; None if the outcome is undecided.
     """
@@ -55,7 +55,7 @@ def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, in
     Raises
     ------
     InputError
-        If these are no two integers, or not ``least <= smallest <= largest <= MOST_BLOCKS``.
+        If these are not two integers with ``least <= smallest <= largest <= MOST_BLOCKS``.
     """
     values = entries(limits)
     if len(values) != 2:
@@ -65,7 +65,7 @@ def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, in
 
 
 def random_colors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    """Return (n, 3): colours drawn as those of all blocks are."""
+    """Return (n, 3) colours, drawn like those of all blocks."""
     return np.array([block.color for block in arch_blocks(rng, n)])
 
 
@@ -95,7 +95,7 @@ def decided_scenes(
     Raises
     ------
     InputError
-        If ``n`` is out of its range, or hardly any trial is decided.
+        If ``n`` is out of range, ``rng`` is not a Generator, or hardly any trial is decided.
     """
     rng, n = checked_generator(rng), between("n", n, 1, MOST_SCENES)
     trials: list[Trial] = []

@@ -1,6 +1,6 @@
 """Which blocks stand above or below each other, and where there is room between them.
 
-Plain loops: there are few blocks, and the options ask often.
+Plain loops: the blocks are few and the calls frequent.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Final, Literal
 from relforest.support.options import one_of
 
 Overlap = Literal["original", "interval"]
-"""How to tell that blocks overlap horizontally."""
+"""The tests for horizontal overlap."""
 
 OVERLAPS: Final[tuple[Overlap, ...]] = ("original", "interval")
 
@@ -54,8 +54,8 @@ def widest_gap(intervals: Sequence[tuple[float, float]]) -> tuple[float, float]:
     Parameters
     ----------
     intervals : sequence of tuple of float
-        Where each begins and ends, at least one. The space beyond all of them is no gap. The leftmost of
-        equally wide gaps wins.
+        Where each begins and ends, at least one. The space beyond all of them is not a gap. The leftmost of
+        equally wide gaps is returned.
     """
     ordered = sorted(intervals)
     covered = ordered[0][1]

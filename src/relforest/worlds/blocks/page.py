@@ -1,4 +1,4 @@
-"""Recorded episodes as a page that plays them: one HTML file that needs no network."""
+"""Recorded episodes as a page that plays them: one HTML file that works offline."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ def page(recordings: Sequence[Recording], *, title: str = "Blocks", subtitle: st
     Returns
     -------
     str
-        HTML. Style, program and data are part of it; it may be opened from a disk.
+        HTML with style, script and data included; it can be opened from disk.
 
     Raises
     ------
     InputError
-        If there is no recording, they differ in their tasks, the task is unknown, or a number is not finite.
+        If recordings are missing, they differ in their tasks, the task is unknown, or a number is not finite.
 
     Notes
     -----
@@ -114,7 +114,7 @@ def _gone(times: NDArray[np.float64], poses: NDArray[np.float64]) -> float | Non
     first = int(np.argmax(missing))
     if first == 0 or not missing[first:].all():
         raise InputError(
-            "a block must have a place at the beginning, and none after it has fallen off the table"
+            "a block must have a pose at the beginning, and none after it has fallen off the table"
         )
     return float(times[first])
 

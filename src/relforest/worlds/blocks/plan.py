@@ -20,12 +20,12 @@ BUFFER: Final = 1.0
 @final
 @dataclass(frozen=True, slots=True)
 class ArchPlan:
-    """Who is what in the arch to come, and what is to be done.
+    """The roles of the blocks in the planned arch, and the next steps.
 
     Parameters
     ----------
     top : int
-        Position of the block that is to lie on the others.
+        Position of the block that will lie on the others.
     lying : tuple of int
         The supports that lie and should be rotated first, from left to right.
     block : int
@@ -46,7 +46,7 @@ def arch_plan(state: BlocksState) -> ArchPlan | None:
 
     Notes
     -----
-    The source describes the plan in a few sentences. How it is read here:
+    The source describes the plan in a few sentences, interpreted as follows:
 
     - The top is the leftmost lying block, or the leftmost block if all are upright. It is never rotated.
     - The supports are two of the others, upright ones first, else from left to right.
@@ -82,7 +82,7 @@ def _stand_well(bounds: list[list[float]], gap: float, blocks: tuple[int, int, i
 def _spacing_move(
     x: list[float], bounds: list[list[float]], gap: float, supports: tuple[int, int]
 ) -> tuple[int, float]:
-    """Return the support to move, and where to, so that the other is a gap away from it."""
+    """Return the support to move, and where to, so that it is one gap away from the other."""
     width = [right - left for left, right, _, _ in bounds]
     moves = []
     for mover, anchor in (supports, supports[::-1]):
@@ -97,6 +97,6 @@ def _spacing_move(
 
 
 def _is_free(bounds: list[list[float]], low: float, high: float, blocks: tuple[int, ...]) -> bool:
-    """Tell whether no block but the given ones reaches into an interval of x."""
+    """Return whether an interval of x is free of all blocks except the given ones."""
     others = (interval for block, interval in enumerate(bounds) if block not in blocks)
     return not any(left < high and right > low for left, right, _, _ in others)

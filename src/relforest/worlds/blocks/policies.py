@@ -1,7 +1,7 @@
-"""Policies to compare with, by name: random ones, and those made by hand.
+"""Policies to compare with, by name: random ones and hand-made ones.
 
-All follow the protocol of the learners' policies: ``choose(decision, rng)`` returns a position in the
-decision. Those that need to know more than the objects of the decision hold the world.
+All follow the protocol of learned policies: ``choose(decision, rng)`` returns a position in the decision.
+Those that need more than the objects of the decision keep a reference to the world.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from relforest.worlds.blocks.tower_policy import TowerPolicy
 
 
 class BlocksWorld(Protocol):
-    """What policies are told of a world."""
+    """The part of a world that policies use."""
 
     @property
     def task(self) -> Task:
@@ -40,16 +40,17 @@ class BlocksWorld(Protocol):
 
 @runtime_checkable
 class Policy(Protocol):
-    """Chooses actions, and says when it would rather do nothing."""
+    """Chooses actions, and signals when it would rather do nothing."""
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return the position of an action in `decision`, which offers at least one."""
         ...
 
     def is_finished(self, decision: Decision) -> bool:
-        """Tell whether there is nothing left to do, so that whoever plays may end the episode here.
+        """Return whether the policy has finished, so that the caller may end the episode.
 
-        These tasks have no action that does nothing. A policy that must act goes on with what changes least.
+        These tasks do not have an action that does nothing. A policy that must act takes the action that
+        changes least.
         """
         ...
 
@@ -64,7 +65,7 @@ class RandomPolicy:
     Parameters
     ----------
     weights : tuple of float
-        One per action type, above 0; they need not add up to 1.
+        One per action type, above 0; they need not sum to 1.
 
     Raises
     ------
@@ -131,7 +132,7 @@ POLICIES: Final[Mapping[str, Mapping[str, Callable[[BlocksWorld], Policy]]]] = M
         "arch": MappingProxyType({"random": _random, "careful": CarefulPolicy, "trainer": _trainer}),
     }
 )
-"""Name of a task -> name of a policy -> what makes it for a world."""
+"""Name of a task -> name of a policy -> function that creates it for a world."""
 
 
 def make_policy(name: str, world: BlocksWorld) -> Policy:
@@ -148,8 +149,7 @@ def make_policy(name: str, world: BlocksWorld) -> Policy:
     Raises
     ------
     InputError
-        If the task has no policy of that name (the message lists those that it has), or the environment is
-        still wrapped.
+        If the policy is unknown (the message lists those of the task), or the environment is still wrapped.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Playing episodes and recording all that can be seen: every move of the blocks, and what options changed."""
+"""Play episodes and record every move of the blocks and the effect of every option."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import MOVE, Task
 
 MOST_EPISODES: Final = 1000
-"""Episodes that are recorded at once."""
+"""Episodes in one call."""
 
 MOST_MOVES: Final = 200_000
-"""Blocks times actions times episodes: every action keeps about 5 kB a block, so this is 1 GB."""
+"""Blocks times actions times episodes. An action takes about 5 kB per block, so this is 1 GB."""
 
 
 def record_episodes(
@@ -39,13 +39,13 @@ def record_episodes(
     ----------
     env : BlocksEnv
     policy : Policy
-        For policies by name see `relforest.worlds.blocks.policies.make_policy`. An episode is over, too, when
-        the policy has nothing left to do.
+        See `relforest.worlds.blocks.policies.make_policy` for policies by name. An episode also ends when the
+        policy has finished.
     episodes : int
-        How many, 1 to 1000.
+        Number of episodes, 1 to 1000.
     seed : int, numpy.random.SeedSequence or Generator
-        The same seed gives the same episodes. Each has streams of its own, one for the world and one for the
-        policy, as in `relforest.rl.rollout`.
+        The same seed gives the same episodes. Each episode has two random streams, one for the world and one
+        for the policy, as in `relforest.rl.rollout`.
 
     Returns
     -------
@@ -54,8 +54,8 @@ def record_episodes(
     Raises
     ------
     InputError
-        If ``env`` or ``policy`` is something else, ``episodes`` is out of its range, or episodes, actions and
-        blocks multiply to more than `MOST_MOVES`.
+        If ``env`` or ``policy`` has the wrong type, ``episodes`` is out of range, or episodes x actions x
+        blocks exceeds `MOST_MOVES`.
     """
     if not isinstance(env, BlocksEnv):
         raise InputError(f"env must be a task of the blocks world itself, got {env!r}: pass env.unwrapped")
@@ -79,7 +79,7 @@ def record_episodes(
 
 
 def marks_of(state: BlocksState, task: Task) -> tuple[Mark, ...]:
-    """Return what the score of a task sees in a state: stacks of two or more blocks, or the best arch."""
+    """Return what the score of a task is based on: stacks of two or more blocks, or the best arch."""
     if task.name == "color-grouping":
         return tuple(_stack_marks(state, task))
     arch = find_arch(state) if task.name == "arch" else None
@@ -124,8 +124,8 @@ def _record(env: BlocksEnv, policy: Policy, seed: int, rng: np.random.Generator)
 def _drop(env: BlocksEnv, seed: int) -> list[Frame]:
     """Return how the blocks fell when the environment was reset with a seed.
 
-    By the time that one can ask an environment for its blocks they have come to rest, so they are dropped
-    once more, from the same random numbers.
+    After a reset the blocks have already come to rest, so they are dropped once more with the same random
+    numbers.
     """
     rng, _ = seeding.np_random(seed)
     simulation = BlocksSimulation(rng)
@@ -150,7 +150,7 @@ def _option(command: Command, begin: float, end: float, reward: float, score: fl
 
 
 def _poses(frames: Sequence[Frame], ids: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return where each of some blocks was, (t, n, 3); NaN where it was gone."""
+    """Return the poses of blocks over time, (t, n, 3); NaN after a block was lost."""
     columns = {block: column for column, block in enumerate(ids.tolist())}
     poses = np.full((len(frames), len(ids), 3), np.nan)
     for row, frame in zip(poses, frames, strict=True):

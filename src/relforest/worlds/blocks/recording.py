@@ -1,4 +1,4 @@
-"""Episodes as arrays: where every block was, and what every option changed."""
+"""Episodes as arrays: the pose of every block over time, and the effect of every option."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class OptionRecord:
         Seconds since the episode began.
     reward : float
     score : float
-        How good the state was afterwards.
+        The score of the state afterwards.
     """
 
     name: str
@@ -44,7 +44,7 @@ class OptionRecord:
 
     @property
     def duration(self) -> float:
-        """Seconds from choice to end."""
+        """Seconds from the choice to the end."""
         return self.end - self.begin
 
     def __str__(self) -> str:
@@ -55,14 +55,14 @@ class OptionRecord:
 @final
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """What a score saw in a state: a stack, or the opening of an arch.
+    """What a score is based on: a stack, or the opening of an arch.
 
     Parameters
     ----------
     left, right, low, high : float
         A rectangle in world units; a flat one is a line.
     score : float
-        What it counts.
+        Its contribution.
     """
 
     left: float
@@ -82,7 +82,7 @@ class Recording:
     Parameters
     ----------
     task : str
-        What was played, such as ``high-towers``.
+        Name of the task, such as ``high-towers``.
     ids : (n,) int64
         All blocks of the episode.
     half_extents : (n, 2) float64
@@ -92,20 +92,20 @@ class Recording:
     times : (t,) float64
         Seconds since the episode began, ascending; at least one.
     poses : (t, n, 3) float64
-        x, y and angle in radians; NaN from the moment when a block has fallen off the table.
+        x, y and angle in radians; NaN after a block has fallen off the table.
     held : (t,) int64
-        Id of the block in the robot's hand, -1 = none.
+        Id of the block that the robot holds, -1 = none.
     options : tuple of OptionRecord
         In order.
     first_score : float
-        How good the state was before the first option.
+        The score of the state before the first option.
     marks : tuple of tuple of Mark
-        What the score saw before each option and after the last, d + 1 times.
+        The marks before each option and after the last, d + 1 tuples.
 
     Raises
     ------
     InputError
-        If shapes or numbers do not agree, times go back, or an option names a block that was never there.
+        If shapes or numbers do not agree, times decrease, or an option names an unknown block.
     """
 
     task: str
@@ -126,16 +126,16 @@ class Recording:
             if getattr(self, name).shape != shape:
                 raise InputError(f"{name} must have the shape {shape}, got {getattr(self, name).shape}")
         if not moments or not np.isfinite(self.times).all() or (np.diff(self.times) < 0).any():
-            raise InputError("times must be at least one, finite and ascending")
+            raise InputError("times must be finite and ascending, with at least one entry")
         if len(self.marks) != len(self.options) + 1:
             raise InputError(
-                f"marks must be given before each of {len(self.options)} options and after the last, "
-                f"got {len(self.marks)} of them"
+                f"marks must have an entry before each of {len(self.options)} options and after the last, "
+                f"got {len(self.marks)}"
             )
         known = set(self.ids.tolist())
         for option in self.options:
             if not known.issuperset(option.blocks):
-                raise InputError(f"{option} names a block that is not among {sorted(known)}")
+                raise InputError(f"{option} names a block that is not one of {sorted(known)}")
 
     @property
     def duration(self) -> float:
@@ -149,5 +149,5 @@ class Recording:
 
     @property
     def last_score(self) -> float:
-        """How good the final state was."""
+        """The score of the final state."""
         return self.options[-1].score if self.options else self.first_score

@@ -42,14 +42,14 @@ _SAME: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Targets:
-    """Candidate moves, always as many for a given number of blocks.
+    """Candidate moves; their number depends only on the number of blocks.
 
     Parameters
     ----------
     slots : (k,) int64
         The block that moves, counted as at the start of the episode.
     x : (k,) float64
-        Where to; NaN = this candidate does not exist now.
+        Where to; NaN = this candidate does not exist at present.
     """
 
     slots: NDArray[np.int64]
@@ -64,9 +64,9 @@ class Sampler:
     Parameters
     ----------
     size : callable
-        How many candidates there are for a number of blocks.
+        Returns the number of candidates for a number of blocks.
     sample : callable
-        Targets of a state: it is given the state, the slot of each of its blocks, and the number of slots.
+        Returns the targets for a state, the slot of each of its blocks, and the number of slots.
     """
 
     size: Callable[[int], int]
@@ -74,7 +74,7 @@ class Sampler:
 
 
 def nearby_targets(target: float, others: Sequence[float]) -> list[float]:
-    """Return the targets that a beam search goes on with: steps towards and away from each other block.
+    """Return the targets that a beam search continues with: steps towards and away from each other block.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def _every_move(
 def _distinct(targets: list[float], mover: float) -> list[float]:
     """Return targets, NaN for those that repeat an earlier one, and for all of a mover that is gone (NaN).
 
-    Moving to where an earlier candidate of the same block goes already is no choice of its own.
+    A move to the same place as an earlier candidate of the same block is not a separate choice.
     """
     if math.isnan(mover):
         return [math.nan] * len(targets)
@@ -186,5 +186,5 @@ SAMPLERS: Final[Mapping[str, Sampler]] = MappingProxyType(
 
 
 def target_sampler(name: str) -> Sampler:
-    """Return the sampler of that name, or raise `InputError` with the names there are."""
+    """Return the sampler of that name, or raise `InputError` with the known names."""
     return SAMPLERS[one_of("sampler", name, tuple(SAMPLERS))]

@@ -1,6 +1,6 @@
 """What a learner sees of the blocks world: the blocks, and virtual objects where an action may go.
 
-The table is no object, and neither is the tool. Velocities are left out. Virtual objects are private to the
+Neither the table nor the tool is an object. Velocities are left out. Virtual objects are private to the
 action that goes there (`relforest.smdp.Decision`).
 
 References
@@ -27,7 +27,7 @@ the longer side in radians (0 = lying, pi = upright), because a block looks the 
 from 0 to 1."""
 
 FARTHEST: Final = 1000.0
-"""Locations beyond this are shown as this: only blocks that fall off the table come near it."""
+"""Locations are clipped to this; only blocks that fall off the table come near it."""
 
 _LOCATION, _EXTENT, _ORIENTATION, _COLOR = (SCHEMA.columns(name) for name in SCHEMA.names)
 
@@ -60,7 +60,7 @@ def describe_state(state: BlocksState) -> NDArray[np.float64]:
 
 
 def virtual_objects(targets: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return objects that stand for places to move a block to, (k, 8) float64.
+    """Return objects that represent places to move a block to, (k, 8) float64.
 
     The source says that virtual objects have attributes that correspond to the parameters of an action, here
     x. They have the location (x, 0); everything else is undefined.

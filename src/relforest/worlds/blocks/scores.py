@@ -1,4 +1,4 @@
-"""What the tasks of shaping rewards measure: the mean height of blocks, and how well groups match in colour.
+"""The scores of the tasks with shaping rewards: mean height, and how well groups match in colour.
 
 References
 ----------
@@ -68,14 +68,14 @@ COLOR_DISTANCES: Final[Mapping[str, ColorDistance]] = MappingProxyType(
 
 
 def color_distance(name: str) -> ColorDistance:
-    """Return the colour distance of that name, or raise `InputError` with the names there are."""
+    """Return the colour distance of that name, or raise `InputError` with the known names."""
     return COLOR_DISTANCES[one_of("distance", name, tuple(COLOR_DISTANCES))]
 
 
 def mean_height(state: BlocksState) -> float:
     """Return the mean height of the centres of the blocks above the table; 0 if there are none.
 
-    A block that fell off the table no longer counts, which is a reading: the source does not mention it.
+    A block that fell off the table does not count. This is an interpretation: the source does not mention it.
     """
     return float(state.poses[:, 1].mean()) if len(state) else 0.0
 

@@ -1,4 +1,4 @@
-"""Blocks on the table, from the drop that begins an episode on: which they are, where, and at what time."""
+"""Blocks on the table over the course of an episode, which begins with a drop."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ STEPS_PER_SECOND: Final = 100
 """Steps in a second on the clock of the tasks."""
 
 MAX_STAGE_STEPS: Final = 500
-"""Every stage of an option, waiting for rest included, ends after as many steps."""
+"""Steps after which every stage of an option ends, including the wait for rest."""
 
 DROP_X: Final = (-30.0, 30.0)
 DROP_Y: Final = (math.sqrt(50.0), 40.0)
-"""Where the centres of the blocks are when an episode begins."""
+"""Range of the centres of the blocks when an episode begins."""
 
 FIRST_WAIT: Final = 10
-"""Steps after a drop before rest is tested."""
+"""Steps after a drop before the first test for rest."""
 
 
 class Frame(NamedTuple):
@@ -47,20 +47,19 @@ class BlocksSimulation:
     Parameters
     ----------
     rng : numpy.random.Generator
-        Consumed by drops and by options; the attribute ``rng`` may be replaced between them.
+        Consumed by drops and options; the attribute ``rng`` may be replaced between them.
     table_half_width : float
         The table reaches from minus to plus this x.
 
     Attributes
     ----------
     frames : list of Frame or None
-        A list put here collects a frame at the start of an episode and every ``frame_every`` steps. None, the
-        default, costs nothing.
+        If set to a list, it collects a frame at the start of an episode and every ``frame_every`` steps.
 
     Notes
     -----
-    Blocks whose bounds are all lower than -5 fell off the table: they are removed for good, and the rest of
-    the world goes on without them. An episode depends on ``rng`` and on the calls since the last `drop` only.
+    A block that is entirely below y = -5 has fallen off the table and is removed permanently; the simulation
+    continues without it. An episode depends only on ``rng`` and on the calls since the last `drop`.
     """
 
     def __init__(self, rng: np.random.Generator, *, table_half_width: float = TABLE_HALF_WIDTH) -> None:
@@ -86,12 +85,12 @@ class BlocksSimulation:
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """The blocks that are there, in the order in which they were dropped."""
+        """The blocks that are left, in the order in which they were dropped."""
         return tuple(self._dropped[key] for key in self._engine.keys)
 
     @property
     def next_id(self) -> int:
-        """The smallest id that no block has had yet."""
+        """The smallest id that has not been used."""
         return self._next_id
 
     @property
@@ -147,11 +146,11 @@ class BlocksSimulation:
         Raises
         ------
         InputError
-            If there is no such block: it fell off the table, or never was there.
+            If the block does not exist: it fell off the table, or was never there.
         """
         if block_id not in self:
             present = [block.id for block in self.blocks]
-            raise InputError(f"there is no block {block_id!r}; those on the table are {present}")
+            raise InputError(f"block {block_id!r} is not on the table; these blocks are: {present}")
         return self._engine.keys.index(self._keys[block_id])
 
     def pose(self, block_id: int) -> tuple[float, float, float]:
@@ -160,14 +159,14 @@ class BlocksSimulation:
         Raises
         ------
         InputError
-            If there is no such block.
+            If the block does not exist.
         """
         self.index(block_id)
         return self._engine.pose(self._keys[block_id])
 
     @property
     def at_rest(self) -> bool:
-        """Whether all blocks are at rest, as `wait_for_rest` sees it."""
+        """Whether all blocks are at rest, as defined in `wait_for_rest`."""
         return self._engine.is_resting()
 
     def drop(self, blocks: Sequence[Block], *, turned: bool = False) -> int:
@@ -176,10 +175,10 @@ class BlocksSimulation:
         Parameters
         ----------
         blocks : sequence of Block
-            None of them may have the id of an earlier block. They may overlap where they begin: the physics
-            push them apart.
+            Their ids must not have been used before. They may overlap at first: the physics pushes them
+            apart.
         turned : bool
-            Draw their angles from all directions, as for the arch task, instead of beginning with 0.
+            Whether to draw random angles, as for the arch task, instead of 0.
 
         Returns
         -------
@@ -196,27 +195,25 @@ class BlocksSimulation:
         return FIRST_WAIT + self.wait_for_rest(MAX_STAGE_STEPS - FIRST_WAIT)
 
     def place(self, blocks: Sequence[Block], poses: Sequence[tuple[float, float, float]]) -> None:
-        """Clear the table and put blocks where they are wanted, at rest; the time begins at 0.
+        """Clear the table and place blocks at given poses, at rest; time begins at 0.
 
         Parameters
         ----------
         blocks : sequence of Block
-            None of them may have the id of an earlier block.
+            Their ids must not have been used before.
         poses : sequence of tuple of float
             x, y and angle of each; the top of the table is at y = 0.
 
         Raises
         ------
         InputError
-            If an id has been used before, there is not one pose for each block, or a pose is not three finite
-            numbers.
+            If an id has been used before, the number of poses differs from that of blocks, or a pose is not
+            three finite numbers.
         """
         dropped = tuple(blocks)
         ids = [block.id for block in dropped]
         if len(set(ids)) < len(ids) or any(block_id < self._next_id for block_id in ids):
-            raise InputError(
-                f"every block needs an id of its own, not used before (next_id is {self._next_id}), got {ids}"
-            )
+            raise InputError(f"ids of blocks must be new and different (at least {self._next_id}), got {ids}")
         if len(poses) != len(dropped):
             raise InputError(f"poses must have one row for each of {len(dropped)} blocks, got {len(poses)}")
         if any(len(pose) != 3 for pose in poses):
@@ -242,7 +239,7 @@ class BlocksSimulation:
         self._pass(at_least("n", n, 0), pass_by)
 
     def wait_for_rest(self, max_steps: int = MAX_STAGE_STEPS) -> int:
-        """Let steps pass until all blocks are at rest, or ``max_steps`` have passed; return how many did.
+        """Advance until all blocks are at rest, or by ``max_steps``; return the number of steps taken.
 
         Blocks are at rest when they are slower than 0.005 units and 0.0314 rad per second of the physics,
         which the author's simulator reports as 0.01 and 0.01.
@@ -250,34 +247,34 @@ class BlocksSimulation:
         return self._pass(at_least("max_steps", max_steps, 0), self._engine.settle)[0]
 
     def grab(self, block_id: int, point: tuple[float, float]) -> None:
-        """Hold a block at a point of its own coordinates, letting go of any other.
+        """Hold a block at a point in its own coordinates, releasing any other block.
 
         Raises
         ------
         InputError
-            If there is no such block.
+            If the block does not exist.
         """
         half_extents = self.blocks[self.index(block_id)].half_extents
         self._engine.grab(self._keys[block_id], springs(point, half_extents))
 
     def let_go(self) -> None:
-        """Release the block that is held, if there is one."""
+        """Release the block that is held, if any."""
         self._engine.let_go()
 
     def carry(self, goal: tuple[float, float], max_steps: int = MAX_STAGE_STEPS) -> tuple[int, bool]:
-        """Pull the block that is held until its centre rests at a goal.
+        """Pull the held block until its centre rests at a goal.
 
         Parameters
         ----------
         goal : tuple of float
             x and y.
         max_steps : int
-            Give up after as many.
+            Give up after this many steps.
 
         Returns
         -------
         tuple of int and bool
-            The steps taken, and whether the end came in time: the block has arrived, or nothing is held.
+            The steps taken, and whether the block arrived in time or nothing is held.
         """
         return self._pass(at_least("max_steps", max_steps, 0), lambda steps: self._engine.carry(goal, steps))
 
@@ -286,7 +283,7 @@ class BlocksSimulation:
         return x, y, self.rng.uniform(-math.pi, math.pi) if turned else 0.0
 
     def _pass(self, max_steps: int, advance: Callable[[int], tuple[int, bool]]) -> tuple[int, bool]:
-        """Advance by at most ``max_steps``, stopping for frames; ``advance`` says when it has ended."""
+        """Advance by at most ``max_steps``, stopping for frames; ``advance`` returns whether it has ended."""
         taken = 0
         ended = False
         while not ended and taken < max_steps:

@@ -1,6 +1,6 @@
 """Which blocks belong together, seen from above.
 
-Plain loops: there are few blocks, and scores and policies ask at every action.
+Plain loops: the blocks are few, and scores and policies call these at every action.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One moment of the blocks world as arrays, which scores, scenes and plans are made from."""
+"""One moment of the blocks world as arrays, the input of scores, scenes and plans."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ON_TABLE: Final = 0.05
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class BlocksState:
-    """The blocks that are on the scene, in the order of their ids.
+    """The remaining blocks, in the order of their ids.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class BlocksState:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Cast:
-    """The blocks that are on the scene, and what about them stays the same until one of them is lost.
+    """The remaining blocks, and the properties that stay the same until one of them is lost.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _bounds(state: BlocksState) -> NDArray[np.float64]:
 
 
 def boxes(centers: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what reaches that far from its centre to all sides, (n, 4): min x, max x, min y, max y.
+    """Return the boxes with these centres and reaches, (n, 4): min x, max x, min y, max y.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def orientations(half_extents: NDArray[np.float64], angles: NDArray[np.float64])
 
 
 def is_upright(orientation: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which blocks stand: their longer side is within 45 degrees of the vertical.
+    """Return which blocks are upright: their longer side is within 45 degrees of the vertical.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The three tasks with several steps: what can be done, what is scored, and how it is paid.
+"""The three multi-step tasks: their actions, scores and rewards.
 
 References
 ----------
@@ -34,16 +34,16 @@ from relforest.worlds.blocks.scores import color_distance, grouping_score, mean_
 from relforest.worlds.blocks.state import BlocksState
 
 MAX_ACTIONS: Final = 5
-"""Actions of an episode. The source gives 5 for high towers and arches; for colour grouping it mentions "the
-final action of the episode" only, which is read as 5 too."""
+"""Actions of an episode. The source gives 5 for high towers and arches; for colour grouping it only mentions
+"the final action of the episode", which is interpreted as 5 too."""
 
 MOST_ACTIONS: Final = 1000
-"""Actions of the longest episode that may be asked for: two simulated hours."""
+"""Actions of the longest episode that is allowed: two simulated hours."""
 
 MOST_BLOCKS: Final = 100
 MOST_ARCH_BLOCKS: Final = 25
-"""Blocks of the largest episodes that may be asked for: more push each other off the table, offer more than
-10 000 actions, and take longer than a fifth of a second for each step."""
+"""Blocks of the largest episodes that are allowed. More blocks push each other off the table, offer more than
+10 000 actions, and take more than a fifth of a second per step."""
 
 DISCOUNT: Final = 0.99
 """Discount factor per simulated second."""
@@ -59,10 +59,10 @@ COLOR_GROUPING_ACTIONS: Final = (PUT, ISOLATE)
 ARCH_ACTIONS: Final = (ROTATE, MOVE, DONE)
 
 SIDES: Final = (2.0 * SMALLEST_HALF, 2.0 * LARGEST_HALF)
-"""Least and greatest side of random blocks. Larger ones would begin inside the table."""
+"""Smallest and largest side of random blocks. Larger ones would begin inside the table."""
 
 SMALLEST_SIDE: Final = 2.0 * HALF_SIDES[0]
-"""Sides may be set as small as this; the engine takes no smaller ones."""
+"""The smallest side that can be set; the engine does not accept smaller ones."""
 
 ARCH_SIZE: Final = (2.0 * ARCH_HALF_EXTENTS[0], 2.0 * ARCH_HALF_EXTENTS[1])
 """Width and height of the blocks of the arch task."""
@@ -73,7 +73,7 @@ BlockMaker = Callable[[np.random.Generator, int, int], tuple[Block, ...]]
 @final
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A task, apart from how many blocks it has.
+    """A task, apart from its number of blocks.
 
     Parameters
     ----------
@@ -87,11 +87,12 @@ class Task:
     turned : bool
         Whether blocks are dropped at random angles.
     score_name : str
-        What the score is called in ``info``.
+        Name of the score in ``info``.
     score : callable
-        How good a state is.
+        Returns the score of a state.
     pays : {"change", "done"}
-        Whether every action is paid what it changed about the score (shaping), or only done, the score.
+        Whether the reward of every action is the change in the score (shaping), or only done is rewarded,
+        with the score.
     sampler : Sampler, optional
         Samples targets for moves.
     most_blocks : int
@@ -110,24 +111,24 @@ class Task:
     most_blocks: int = MOST_BLOCKS
 
     def reward(self, action: str, before: float, after: float) -> float:
-        """Return what an action of that name earns, given the scores before and after it."""
+        """Return the reward of an action, given the scores before and after it."""
         if self.pays == "change":
             return after - before
         return after if action == DONE.name else 0.0
 
 
 def high_towers(sides: tuple[float, float] = SIDES) -> Task:
-    """Return the task of building high: the score is the mean height of the blocks.
+    """Return the high towers task: the score is the mean height of the blocks.
 
     Parameters
     ----------
     sides : pair of float
-        Least and greatest side of a block, from 0.02 to 10.
+        Smallest and largest side of a block, from 0.02 to 10.
 
     Raises
     ------
     InputError
-        If ``sides`` is no such pair.
+        If ``sides`` is not such a pair.
 
     References
     ----------
@@ -153,12 +154,12 @@ def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SID
     distance : {"ciede2000", "rgb"}
         How colours are compared.
     sides : pair of float
-        Least and greatest side of a block, from 0.02 to 10.
+        Smallest and largest side of a block, from 0.02 to 10.
 
     Raises
     ------
     InputError
-        If there is no such distance, or ``sides`` is no such pair.
+        If the distance is unknown, or ``sides`` is not such a pair.
 
     References
     ----------
@@ -178,19 +179,19 @@ def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SID
 
 
 def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
-    """Return the task of building an arch, paid when it is declared done.
+    """Return the task of building an arch, rewarded when it is declared done.
 
     Parameters
     ----------
     sampler : {"test", "training", "expert"}
-        Which targets are offered for moves, see `relforest.worlds.blocks.samplers`.
+        Which targets moves can have, see `relforest.worlds.blocks.samplers`.
     size : pair of float
         Width and height of all blocks, from 0.02 to 10.
 
     Raises
     ------
     InputError
-        If there is no such sampler, or ``size`` is no such pair.
+        If the sampler is unknown, or ``size`` is not such a pair.
 
     References
     ----------
@@ -213,7 +214,7 @@ def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
 def _random_blocks(sides: tuple[float, float]) -> BlockMaker:
     low, high = _lengths("sides", sides)
     if low > high:
-        raise InputError(f"sides must be the least and the greatest side, got {sides!r}")
+        raise InputError(f"sides must be the smallest and the largest side, got {sides!r}")
     return partial(_make_random, low / 2.0, (high - low) / (SIDES[1] - SIDES[0]))
 
 

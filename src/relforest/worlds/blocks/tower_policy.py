@@ -25,19 +25,19 @@ class TowerPolicy:
     Parameters
     ----------
     first : {"large", "small"}
-        Which block is put next.
+        Which block comes next.
 
     Raises
     ------
     InputError
-        If ``first`` is another word.
+        If ``first`` is neither.
 
     Notes
     -----
-    Readings of what the source leaves open: the stack is the block with the highest top and all that are
-    connected to it by horizontal overlap; blocks go onto the block with the highest top; size is area. When
-    no block is left outside it has finished; if it must act, the topmost block is put again onto the next
-    lower one.
+    Interpretations where the source is not specific: the stack is the block with the highest top and all
+    blocks connected to it by horizontal overlap; blocks go onto the block with the highest top; size is area.
+    The policy has finished when all blocks are in the stack; if it must act then, it puts the topmost block
+    onto the next lower one again.
 
     References
     ----------
@@ -65,5 +65,5 @@ class TowerPolicy:
         return position_of(decision, _PUT, int(outside[best]), goal)
 
     def is_finished(self, decision: Decision) -> bool:
-        """Tell whether all blocks are in one stack."""
+        """Return whether all blocks are in one stack."""
         return len(np.unique(connected(bounds(decision.objects)))) < 2

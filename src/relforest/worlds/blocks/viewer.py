@@ -58,7 +58,7 @@ class BlocksViewer:
 
     All blocks are always in view: the picture shows at least 40 units to both sides of the middle of the
     table, and more, at a smaller scale, while a block is farther away or higher than there is room for. Faint
-    lines tell heights, ten units apart.
+    lines mark heights, ten units apart.
 
     Parameters
     ----------
@@ -120,10 +120,10 @@ class BlocksViewer:
         """
         sides, places, shades = self._checked(half_extents, poses, colors)
         if ids is not None and len(ids) != len(sides):
-            raise InputError(f"ids must name all {len(sides)} blocks, got {len(ids)} of them")
+            raise InputError(f"ids must name all {len(sides)} blocks, got {len(ids)}")
         held = None if tool is None else np.asarray(tool, dtype=np.float64)
         if held is not None and (held.shape != (2,) or not np.isfinite(held).all()):
-            raise InputError(f"tool must hold two finite numbers, got {tool!r}")
+            raise InputError(f"tool must be two finite numbers, got {tool!r}")
         camera = self._camera(sides, places)
         canvas = np.empty((*self.shape, 3), dtype=np.uint8)
         canvas[:] = _PAPER
@@ -151,7 +151,7 @@ class BlocksViewer:
                 array = array.reshape(0, wanted)
             shape = (len(checked[0]) if checked else len(array), wanted)
             if array.shape != shape or not np.isfinite(array).all():
-                raise InputError(f"{name} must hold finite numbers of the shape {shape}, got {array.shape}")
+                raise InputError(f"{name} must contain finite numbers in shape {shape}, got {array.shape}")
             checked.append(array)
         return tuple(checked)
 

@@ -1,8 +1,8 @@
-"""A 1-D corridor with rewards at both ends: the smallest world, for tests and pictures of what was learned.
+"""A 1-D corridor with rewards at both ends: the smallest world, for tests and pictures of learned policies.
 
-One agent with one attribute walks left or right and is rewarded near either end (Palmer (2015), section 7.3).
-Make it with ``gymnasium.make("relforest/Corridor-v0")``. Read `state`, `dynamics`, `actions`, `reward`,
-`scene` and `policies` in this order; `env` only connects them, and `viewer` draws.
+One agent with one attribute walks left or right and earns a reward close to either end (Palmer (2015),
+section 7.3). Create it with ``gymnasium.make("relforest/Corridor-v0")``. Read `state`, `dynamics`, `actions`,
+`reward`, `scene` and `policies` in this order; `env` connects them, and `viewer` draws.
 """
 
 from __future__ import annotations

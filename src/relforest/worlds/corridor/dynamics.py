@@ -1,7 +1,7 @@
 """How the agent moves: a step of fixed mean length, Gaussian noise, and walls at both ends.
 
-Letters: n agents that move at the same time. Numbers and (n,) arrays are both accepted, so that whole batches
-of episodes can be simulated at once.
+Letters: n agents that move at the same time. Both numbers and (n,) arrays are accepted, so that batches of
+episodes can be simulated at once.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def next_location(
     direction : float or (n,) float64
         -1 = left, +1 = right (`DIRECTIONS` of the actions).
     disturbance : float or (n,) float64
-        Displacement by noise, in corridor lengths: drawn from N(0, `NOISE`) by the caller.
+        Displacement by noise, in corridor lengths; the caller draws it from N(0, `NOISE`).
     step_length : float
         Mean length of a step, in corridor lengths.
 
@@ -55,8 +55,8 @@ def next_location(
 
     Notes
     -----
-    Palmer (2015), section 7.3.1 does not say what happens at the ends. Here the agent stops at the wall; the
-    best policy then collects 8.69 per episode, and the source reports about 8.68.
+    Palmer (2015), section 7.3.1 does not specify what happens at the ends. Here the agent stops at the wall;
+    the best policy then earns 8.69 per episode, and the source reports about 8.68.
     """
     free = x + direction * step_length + disturbance
     return np.minimum(np.maximum(free, 0.0), 1.0)

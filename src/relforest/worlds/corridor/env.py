@@ -1,4 +1,4 @@
-"""The Gymnasium face of the corridor: wiring only."""
+"""The Gymnasium environment of the corridor."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
 from relforest.worlds.viewing import viewable
 
 MOST_STEPS: Final = 1_000_000
-"""The longest episode that may be asked for."""
+"""Steps of the longest episode that is allowed."""
 
 
 def _checked_start(x: object) -> float:
@@ -33,9 +33,9 @@ def _checked_start(x: object) -> float:
 
 @final
 class CorridorEnv(WorldEnv):
-    """An agent in a corridor of length 1 that is paid for ending its steps close to either edge.
+    """An agent in a corridor of length 1 that is rewarded for ending its steps close to either edge.
 
-    Observation: ``location`` (1, 1) float64 and ``mask`` (1,) int8, always 1, as the agent is always there.
+    Observation: ``location`` (1, 1) float64 and ``mask`` (1,) int8, always 1, as the agent is always present.
     Actions: 0 = left, 1 = right, always available. Reward: 1 if the step ends in a window at an edge, else 0.
     An episode starts at a uniform location, or at ``reset(options={"x": 0.3})``; it never terminates and is
     truncated after ``max_steps`` steps, each of duration 1.
@@ -56,7 +56,7 @@ class CorridorEnv(WorldEnv):
     Raises
     ------
     InputError
-        If an option lies outside its range, an action is neither 0 nor 1, or a reset option is unknown.
+        If an option is out of range, an action is neither 0 nor 1, or a seed or reset option is invalid.
     gymnasium.error.ResetNeeded
         On any use before the first `reset`, and on a step after the end of an episode.
 
@@ -66,6 +66,7 @@ class CorridorEnv(WorldEnv):
 
     Examples
     --------
+    >>> import gymnasium
     >>> env = gymnasium.make("relforest/Corridor-v0", render_mode="rgb_array")
     >>> observation, info = env.reset(seed=0, options={"x": 0.3})
     >>> observation, reward, terminated, truncated, info = env.step(0)
@@ -137,4 +138,4 @@ class CorridorEnv(WorldEnv):
 
 
 make_corridor = viewable(CorridorEnv)
-"""Makes the corridor for ``gymnasium.make``."""
+"""The entry point for ``gymnasium.make``."""

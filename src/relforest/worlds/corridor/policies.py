@@ -1,7 +1,7 @@
-"""Hand-coded policies: the best one, and one that knows nothing.
+"""Hand-coded policies: the optimal one and the random one.
 
-They serve as the upper and the lower line of every figure about the corridor, and follow the protocol of the
-learners' policies: ``choose(decision, rng)`` returns a position in the decision.
+They are the upper and the lower bound in every figure of the corridor, and follow the protocol of learned
+policies: ``choose(decision, rng)`` returns a position in the decision.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MIDDLE: Final = 0.5
 class OptimalPolicy:
     """Walk to the nearer edge: left if the agent is left of the middle, otherwise right.
 
-    It collects about 8.69 per episode of 10 steps.
+    It earns about 8.69 per episode of 10 steps.
 
     References
     ----------
@@ -41,7 +41,7 @@ class OptimalPolicy:
 class RandomPolicy:
     """Choose uniformly among the available actions.
 
-    It collects about 2.61 per episode of 10 steps.
+    It earns about 2.61 per episode of 10 steps.
     """
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:

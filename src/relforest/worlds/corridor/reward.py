@@ -1,4 +1,4 @@
-"""What the agent is paid for: ending a step close to either edge."""
+"""The reward for ending a step close to either edge."""
 
 from __future__ import annotations
 

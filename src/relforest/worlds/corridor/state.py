@@ -25,14 +25,14 @@ class CorridorState:
     Raises
     ------
     InputError
-        If ``x`` lies outside the corridor or ``steps`` is negative.
+        If ``x`` is not a number from 0 to 1, or ``steps`` is not an integer of at least 0.
     """
 
     x: float
     steps: int = 0
 
     def __post_init__(self) -> None:
-        # Worlds build one state per step, of plain numbers.
+        # The world builds a state from plain numbers in every step.
         if type(self.x) is not float or not 0.0 <= self.x <= 1.0:
             object.__setattr__(self, "x", in_range("x", self.x, 0.0, 1.0))
         if type(self.steps) is not int or self.steps < 0:

@@ -34,14 +34,14 @@ _FLOOR_LEFT, _FLOOR_RIGHT = _LEFT - 24.0, _RIGHT + 24.0
 
 @final
 class CorridorViewer:
-    """Draws states of a corridor: the floor, the rewarded windows, the agent, and the time used above.
+    """Draws states of a corridor: the floor, the rewarded windows, the agent and, above, the elapsed time.
 
     Parameters
     ----------
     window : float
         Width of each rewarded zone, in corridor lengths; a window lights up while the agent stands in it.
     max_steps : int
-        Steps of an episode: the length of the bar that shows the time used.
+        Steps of an episode: the full length of the time bar.
     """
 
     def __init__(self, *, window: float, max_steps: int) -> None:

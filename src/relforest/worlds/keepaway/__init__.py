@@ -1,13 +1,13 @@
 """Keepaway: keepers pass a ball among themselves, takers try to get it; RoboCup's benchmark in one process.
 
 The game of Stone et al. (2006), with the motion of the RoboCup 2-D server and the scripted players of the
-benchmark, as compiled kernels (Palmer (2015), section 7.5). Make it with
+benchmark, as compiled kernels (Palmer (2015), section 7.5). Create it with
 ``gymnasium.make("relforest/Keepaway-v0")``; `episode_durations` plays many episodes without an environment.
 
-Start with `layout` (what a game is made of). The server is `randomness`, `physics` and `referee`, and
-`bounds` checks recorded steps against it. The players are `views`, `memory` and `roles`, and what these
-import. `advance` combines both, and `durations` and `events` count. `scene`, `variables` and `policies` are
-what learners see; `env`, `vector`, `parallel` and `wrapper` only connect them; `viewer` and `page` draw.
+Start with `layout` (the arrays of a game). The server consists of `randomness`, `physics` and `referee`, and
+`bounds` checks recorded steps against it; the players consist of `views`, `memory`, `roles` and their
+imports; `advance` combines both, and `durations` and `events` count. Learners see `scene`, `variables` and
+`policies`; `env`, `vector`, `parallel` and `wrapper` are the environments, `viewer` and `page` draw.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Going on with a game until a keeper must decide."""
+"""Continues a game until a keeper must decide."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ UNFINISHED: Final = -2
 
 @kernel
 def advance(games: Games, g: int, setup: Setup, policy: int, action: int, work: Work) -> int:
-    """Go on with game ``g`` until a keeper must decide, or until the episode is over.
+    """Continue game ``g`` until a keeper must decide or the episode is over.
 
     Parameters
     ----------
@@ -41,10 +41,10 @@ def advance(games: Games, g: int, setup: Setup, policy: int, action: int, work: 
     setup : Setup
         What the games have in common.
     policy : int
-        Who decides for keepers: RANDOM, HOLD or HAND without asking, or ASK.
+        What decides for keepers: RANDOM, HOLD or HAND, or ASK to return at each decision.
     action : int
         The answer to the last question: 0 = hold, i = pass to the i-th nearest teammate; -1 = none. It is
-        ignored if nobody was asked, and the question is repeated if there is no answer.
+        ignored if no keeper was asked, and the question is repeated if the answer is missing.
     work : Work
         Must be the one that served when the question was asked, not used for another game since.
 
@@ -69,7 +69,7 @@ def advance(games: Games, g: int, setup: Setup, policy: int, action: int, work: 
 def advance_counted(
     games: Games, g: int, setup: Setup, policy: int, action: int, work: Work, tally: Tally, cycles: int
 ) -> int:
-    """Do as `advance`, count what happens, and return -2 if ``cycles`` cycles have passed before the end."""
+    """Like `advance`, but count events, and return -2 if ``cycles`` cycles pass before the end."""
     answer = action
     for _ in range(cycles):
         actor = choose_commands(games, g, setup, policy, answer, work)
@@ -86,9 +86,9 @@ def advance_counted(
 
 @kernel
 def choose_commands(games: Games, g: int, setup: Setup, policy: int, action: int, work: Work) -> int:
-    """Let everybody choose the command of one cycle, in the order of their numbers.
+    """Let all players choose their commands for one cycle, in the order of their numbers.
 
-    Returns the keeper that must decide before that can go on, or -1 when all commands are chosen. The
+    Returns the keeper that must decide first, or -1 when all commands are chosen. The
     parameters are those of `advance`.
     """
     counters, n_players = games.counters, setup.keepers + setup.takers

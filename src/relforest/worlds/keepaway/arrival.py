@@ -1,7 +1,7 @@
-"""Who can be where, and when: the estimates by which players decide who goes for the ball.
+"""Which player can be where, and when: the estimates that decide which players go for the ball.
 
-A player estimates itself by going through its own commands. Of others it assumes that they turn as it would
-and then run straight at full power.
+A player estimates its own time by simulating its commands. It assumes that others turn as it would and then
+run straight at full power.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def cycles_to_point(pursuit: Pursuit, i: int, j: int, most: int) -> int:
     i, j : int
         The observer, and the player.
     most : int
-        Longer estimates need not be told apart: any number above may be returned for them.
+        Longer estimates need not be exact: any larger number may be returned for them.
     """
     if _within(pursuit):
         return 0
@@ -145,11 +145,11 @@ def _cycles_at_full_power(pursuit: Pursuit) -> int:
 
 @kernel
 def fastest(work: Work, i: int, team: Team, rivals: Team) -> tuple[int, int]:
-    """Find who of a team gets to the ball first, as player ``i`` sees it after `line_up`.
+    """Find the player of a team that gets to the ball first, as player ``i`` sees it after `line_up`.
 
-    That is whoever can meet the rolling ball in the earliest cycle. If rivals can meet it earlier than
-    anybody of the team, it is whoever of the team needs the fewest cycles to the place where they do. Of
-    equally fast players the one of the highest number counts.
+    That is the player that can meet the rolling ball in the earliest cycle. If rivals can meet it earlier, it
+    is the player that needs the fewest cycles to the place where they do. Of equally fast players, the one
+    with the highest number is chosen.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def fastest(work: Work, i: int, team: Team, rivals: Team) -> tuple[int, int]:
 
 @kernel
 def _first_there(work: Work, i: int, team: Team, cycle: int) -> int:
-    """Find who needs the fewest cycles, at most ``cycle``, to where the ball will be then; -1 = nobody."""
+    """Find the player with the fewest cycles, at most ``cycle``, to where the ball will be; -1 = none."""
     first, least = -1, cycle + 1
     horizon = PLAYER_SPEED_MAX * (cycle + 1) - TIE
     for j in range(team[1] - 1, team[0] - 1, -1):

@@ -1,6 +1,6 @@
-"""A batch of games that are played from one decision to the next, all with one call of a kernel.
+"""A batch of games, played from one decision to the next with a single kernel call.
 
-`env`, `vector` and `parallel` are three faces of it. A game depends on its own seed and actions alone.
+`env`, `vector` and `parallel` are built on it. A game depends only on its own seed and actions.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ RESTART: Final = -2
 """Codes beside the actions: begin with the players as they are placed, or place them first."""
 
 MOST_REPLAYS: Final = 1000
-"""Episodes without any decision in a row before a game is given up."""
+"""Consecutive episodes without a decision after which a game is given up."""
 
 
 class Seen(NamedTuple):
-    """What G games show from outside: G games, n players (K keepers), v state variables."""
+    """The visible state of G games: n players (K keepers), v state variables."""
 
     objects: NDArray[np.float64]  # (G, n, 6) of the scene
     variables: NDArray[np.float64]  # (G, v)
@@ -63,9 +63,9 @@ class Batch:
     setup : Setup
         What the games have in common.
     n_games : int
-        How many there are; `begin` them first.
+        Number of games; `begin` them first.
     n_threads : int
-        How many threads play at the same time, each a share of the games; nothing depends on it.
+        Number of threads, each of which plays a share of the games; it does not affect the results.
     """
 
     def __init__(self, setup: Setup, n_games: int, n_threads: int = 1) -> None:
@@ -89,11 +89,11 @@ class Batch:
         self._viewer: KeepawayViewer | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out the threads, which cannot be copied or pickled; others are started when needed."""
+        """Leave out the threads, which cannot be copied; new ones start when they are needed."""
         return self.__dict__ | {"_pool": None}
 
     def close(self) -> None:
-        """Stop the threads; whoever plays on starts others."""
+        """Stop the threads; new ones start when they are needed."""
         if self._pool is not None:
             self._pool.shutdown()
             self._pool = None
@@ -104,7 +104,7 @@ class Batch:
 
     @property
     def ends(self) -> NDArray[np.int64]:
-        """How each episode stands or ended, (G,): PLAYING, OUT, TAKEN or CAPPED."""
+        """The status of each episode, (G,): PLAYING, OUT, TAKEN or CAPPED."""
         return self.games.counters[:, END]
 
     @property
@@ -150,7 +150,7 @@ class Batch:
         if max(most) >= MOST_REPLAYS:
             raise InputError(
                 f"{MOST_REPLAYS} episodes in a row ended before any keeper had the ball: choose a larger "
-                f"max_cycles than {self.setup.max_cycles}, or 0 for none"
+                f"max_cycles than {self.setup.max_cycles}, or 0 for no limit"
             )
 
     def _play_share(self, actions: NDArray[np.int64], share: slice) -> int:
@@ -164,7 +164,7 @@ class Batch:
         return {**attributes_of(self.seen.objects), "mask": np.ones(shape, dtype=np.int8)}
 
     def info(self) -> dict[str, NDArray[Any]]:
-        """Return what there is to know about every decision, arrays of length G."""
+        """Return the information about every decision, arrays of length G."""
         keepers = self.setup.keepers
         mask = np.repeat((self.seen.actors != NOBODY).astype(np.int8)[:, None], keepers, axis=1)
         return {

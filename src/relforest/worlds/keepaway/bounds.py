@@ -1,8 +1,8 @@
 """Could the server have made this step? Bounds on what commands and noise can do in one cycle.
 
-All noise of the RoboCup 2-D server is bounded: where an object goes lies in a disc about where it would go
-without noise. So recorded steps, of the real server or of `physics`, can be checked one by one, and a formula
-that is wrong shows without any statistics.
+All noise of the RoboCup 2-D server is bounded: an object ends up in a disc around where it would go without
+noise. So recorded steps of the real server or of `physics` can be checked one by one, which reveals a wrong
+formula without any statistics.
 
 Letters: s steps, n players; arrays have the columns of `layout`.
 """

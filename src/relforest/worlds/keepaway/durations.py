@@ -1,9 +1,9 @@
-"""How long keepers keep the ball: many episodes, without an environment around them.
+"""How long keepers keep the ball: many episodes, played without an environment.
 
-Episodes are played in `LANES` sequences, each a game of its own with its own random numbers, in which bodies
-keep their directions from one episode to the next as in the RoboCup 2-D server. How many episodes each
-sequence plays is fixed beforehand, so that short ones are not preferred, and nothing depends on how many
-sequences are played at the same time.
+Episodes are played in `LANES` sequences. Each is a game with its own random numbers, in which bodies keep
+their directions from one episode to the next, as in the RoboCup 2-D server. The number of episodes in each
+sequence is fixed in advance, so that short episodes are not over-represented, and results do not depend on
+the number of sequences played in parallel.
 """
 
 from __future__ import annotations
@@ -43,24 +43,24 @@ from relforest.worlds.keepaway.variables import n_variables, state_variables
 from relforest.worlds.keepaway.views import Work, new_work
 
 LANES: Final = 64
-"""How many sequences of episodes there are."""
+"""Number of sequences of episodes."""
 
 MOST_EPISODES: Final = 1_000_000
-"""Episodes that are played at once."""
+"""Episodes in one call."""
 
 POLICIES: Final[Mapping[str, int]] = MappingProxyType({"random": RANDOM, "hold": HOLD, "hand": HAND})
 """Name of a policy that is built into the simulator -> its code."""
 
 Policy: TypeAlias = str | Callable[[NDArray[np.float64], np.random.Generator], SupportsIndex]
 
-# A kernel cannot be interrupted, so it comes back once in a while: after about a second.
+# A kernel cannot be interrupted, so it returns after this many cycles, about a second.
 _CYCLES: Final = 20_000
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Played:
-    """What `play_episodes` saw in e episodes.
+    """The results of `play_episodes` for e episodes.
 
     Parameters
     ----------
@@ -98,17 +98,17 @@ def episode_durations(
     Parameters
     ----------
     policy : {"random", "hold", "hand"} or callable
-        Who decides for all keepers: uniformly at random, never pass, the hand-coded policy of the benchmark,
+        What decides for all keepers: uniformly at random, never pass, the hand-coded policy of the benchmark,
         or a function ``(state_variables, rng) -> int`` that returns 0 to hold the ball or i to pass it to the
-        i-th nearest teammate. It gets a new array each time.
+        i-th nearest teammate. The array is new in each call.
     keepers, takers, size
         The rules, see `KeepawayOptions`; `play_episodes` takes all of them.
     episodes : int
-        How many, 1 to 1 000 000.
+        Number of episodes, 1 to 1 000 000.
     seed : int, SeedSequence, Generator or None
-        The same seed gives the same durations, whatever ``n_jobs``.
+        The same seed gives the same durations for any ``n_jobs``.
     n_jobs : int
-        How many threads play at the same time, -1 = one per core. Only built-in policies gain from it.
+        Number of threads, -1 = one per core. Only built-in policies benefit.
 
     Returns
     -------
@@ -118,7 +118,8 @@ def episode_durations(
     Raises
     ------
     InputError
-        If an option lies outside its range, or the policy returns an action that does not exist.
+        If an option is out of range, the policy returns an action that does not exist, or an episode does not
+        end within 1 000 000 cycles.
 
     References
     ----------
@@ -158,7 +159,8 @@ def play_episodes(
     Raises
     ------
     InputError
-        If an option lies outside its range, or the policy returns an action that does not exist.
+        If an option is out of range, the policy returns an action that does not exist, or an episode does not
+        end within 1 000 000 cycles.
     """
     if not callable(policy):
         one_of("policy", policy, tuple(POLICIES))
@@ -181,18 +183,18 @@ def play_episodes(
 
 @final
 class _Finished:
-    """Counts the episodes that all threads have finished, and reports them to the listener of the first."""
+    """Counts finished episodes across threads and reports them to the listener of the calling thread."""
 
     def __init__(self, total: int) -> None:
         self._total, self._done = total, 0
         self._lock, self._context = Lock(), copy_context()
 
     def __reduce__(self) -> tuple[type[_Finished], tuple[int]]:
-        """Reach another process without its listeners."""
+        """Drop the listener when sent to another process."""
         return _Finished, (self._total,)
 
     def one_more(self) -> None:
-        """Report one more episode."""
+        """Count and report a finished episode."""
         with self._lock:
             self._done += 1
             self._context.run(report, "playing episodes", self._done, self._total)
@@ -225,7 +227,7 @@ def _play_episode(
     action, actor = NO_ACTION, UNFINISHED
     while actor != NOBODY:
         if games.counters[0, TIME] >= MOST_CYCLES:
-            raise InputError(f"an episode goes on after {MOST_CYCLES} cycles: choose a max_cycles to end it")
+            raise InputError(f"an episode has not ended after {MOST_CYCLES} cycles: set max_cycles")
         actor = advance_counted(games, 0, setup, code, action, work, tally, _CYCLES)
         action = NO_ACTION
         if actor >= 0 and callable(policy):

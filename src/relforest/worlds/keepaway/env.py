@@ -1,4 +1,4 @@
-"""The Gymnasium face of keepaway: wiring only."""
+"""The Gymnasium environment of keepaway."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ from relforest.worlds.viewing import viewable
 class KeepawayEnv(WorldEnv):
     """Keepers pass a ball among themselves for as long as they can; takers try to get it.
 
-    One step is one decision of the keeper that has the ball in reach, whichever it is: 0 = hold, i = pass to
-    its i-th nearest teammate. The step lasts until a keeper must decide again, which may be in the same
-    cycle if two have the ball in reach; all other players, and a keeper whose pass is under way, follow the
-    programs of the benchmark. An episode begins with its first decision. It terminates when the ball is out
-    or taken, and is truncated after ``max_cycles``.
+    One step is one decision of whichever keeper has the ball within reach: 0 = hold, i = pass to its i-th
+    nearest teammate. The step lasts until a keeper must decide again, which may be in the same cycle if two
+    keepers can reach the ball; all other players, and a keeper in the middle of a pass, follow the scripts of
+    the benchmark. An episode begins with its first decision. It terminates when the ball is out or taken, and
+    is truncated after ``max_cycles``. Without a seed, `reset` keeps the body directions of the players.
 
     Observation: the players as the deciding keeper perceives them, keepers first: ``location`` (n, 2) in
     metres, ``orientation`` (n, 1) in radians, ``color`` (n, 3) and ``mask`` (n,), all 1. At the end of an
-    episode nobody decides, and it shows them as they are. Reward: the cycles of 0.1 s that have passed.
+    episode it shows their true state. Reward: the elapsed cycles of 0.1 s.
 
-    Besides what `relforest.smdp` asks for, ``info`` holds
+    In addition to the entries that `relforest.smdp` requires, ``info`` contains
 
-    - ``actor``: the keeper that must decide, -1 after a terminal state. After a truncation, the keeper
-      nearest to the ball stands in, so that the value of its actions can be used.
-    - ``time``: cycles since the episode began. The ``time`` of the first decision and all rewards add up to
-      the length of the episode. ``actor`` and ``time`` tell each keeper's own experience.
-    - ``last_times`` (keepers,): when each keeper last had the ball in this episode, this moment not
-      counted, -1 = not yet. Other than its last decision this may be a cycle in which it finished a pass,
-      as the benchmark's learners count: their reward is ``time - last_times[actor]``.
+    - ``actor``: the keeper that must decide, -1 after a terminal state. After a truncation, this is the
+      keeper nearest to the ball, so that the value of its actions can be used.
+    - ``time``: cycles since the episode began. The ``time`` of the first decision plus all rewards is the
+      length of the episode. ``actor`` and ``time`` identify each keeper's own experience.
+    - ``last_times`` (keepers,): when each keeper last had the ball in this episode, before this moment; -1 =
+      not yet. This may be later than its last decision: a cycle in which it finished a pass counts too, as
+      for the benchmark's learners, which receive the reward ``time - last_times[actor]``.
     - ``variables``: the state variables of the benchmark, see `relforest.worlds.keepaway.variables`.
-    - ``without_decision``, after a reset: how many episodes ended before any keeper had the ball. They
-      are passed over.
+    - ``without_decision``, after a reset: the number of episodes that were skipped because they ended before
+      any keeper had the ball.
     - ``end``, at the end: ``"out"``, ``"taken"`` or ``"capped"``.
 
     Parameters
@@ -58,7 +58,7 @@ class KeepawayEnv(WorldEnv):
     Raises
     ------
     InputError
-        If an option lies outside its range, an action does not exist, or a reset is given options.
+        If an option is out of range, an action does not exist, a seed is invalid, or a reset has options.
     gymnasium.error.ResetNeeded
         On any use before the first `reset`, and on a step after the end of an episode.
 
@@ -69,6 +69,7 @@ class KeepawayEnv(WorldEnv):
 
     Examples
     --------
+    >>> import gymnasium
     >>> env = gymnasium.make("relforest/Keepaway-v0", keepers=4, takers=3, size=25.0)
     >>> observation, info = env.reset(seed=0)
     >>> observation, reward, terminated, truncated, info = env.step(0)
@@ -109,7 +110,6 @@ class KeepawayEnv(WorldEnv):
         return self.batch.decision(0)
 
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
-        # Without a seed, the players keep the body directions of the episode before.
         if seed is None and self._begun:
             self._batch.begin([None])
         else:
@@ -143,4 +143,4 @@ class KeepawayEnv(WorldEnv):
 
 
 make_keepaway = viewable(KeepawayEnv)
-"""Makes keepaway for ``gymnasium.make``."""
+"""The entry point for ``gymnasium.make``."""

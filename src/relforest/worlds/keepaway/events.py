@@ -1,4 +1,4 @@
-"""Counts of what happens in a game, beyond how long it takes: to compare a simulation with real games."""
+"""Counts of events in a game, beyond its duration, to compare simulated with real games."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A batch of games, and how to begin one."""
+"""Creates batches of games."""
 
 from __future__ import annotations
 
@@ -70,14 +70,14 @@ __all__ = [
 
 
 def new_games(setup: Setup, seeds: Sequence[np.random.SeedSequence]) -> Games:
-    """Begin one game per seed, with everybody placed for the first episode.
+    """Begin one game per seed, with all players placed for the first episode.
 
     Parameters
     ----------
     setup : Setup
         What the games have in common.
     seeds : sequence of SeedSequence
-        One per game. A game depends on its own seed alone, never on the batch it is part of.
+        One per game. A game depends only on its own seed, not on the rest of the batch.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """How a player goes for a ball that it does not have: where to meet it, and the first command on the way.
 
-All is planned in the body frame of the player (see `motion`), in which the ball moves along a line too.
+Everything is planned in the body frame of the player (see `motion`), where the ball moves along a line too.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _BESIDE: Final = 0.5
 
 @kernel
 def intercept(games: Games, g: int, i: int, setup: Setup, work: Work) -> Command:
-    """Return the command of player ``i`` on its way to the ball; remembers where it means to meet it."""
+    """Return the command of player ``i`` on its way to the ball, remembering where it plans to meet it."""
     me, ball = player_seen(work, i, i), ball_seen(work, i)
     c, s = work.facing[i, i, 0], work.facing[i, i, 1]
     approach = approach_of(me, ball, c, s)
@@ -156,7 +156,7 @@ def _may_reach(pursuit: Pursuit, cycle: int) -> bool:
 
 @kernel
 def miss_after(pursuit: Pursuit, cycles: int) -> float:
-    """Return how far from the target a player ends that goes for it in some cycles.
+    """Return how far from the target a player ends up that moves to it in some cycles.
 
     Beyond reach the number may be smaller or larger than the true distance, but never less than `REACH`.
     """

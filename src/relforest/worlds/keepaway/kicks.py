@@ -1,4 +1,4 @@
-"""What a player does with a ball in its reach: pass it, hold it away from opponents, stop it.
+"""What a player does with a ball within its reach: pass it, hold it away from opponents, stop it.
 
 Everything is in the player's own frame; directions of kicks are relative to its body, in degrees.
 """
@@ -91,7 +91,7 @@ def kick_close(me: Player, ball: Ball, angle: float, ratio: float) -> Command:
 
 @kernel
 def freeze(me: Player, ball: Ball) -> Command:
-    """Stop the ball, or if it would then be lost, kick it to a place in front of where the player will be."""
+    """Stop the ball or, if it would then be lost, kick it in front of where the player will be."""
     rate = rate_of(me, ball)
     speed = math.sqrt(ball[2] * ball[2] + ball[3] * ball[3])
     power = min(speed / rate, POWER_MAX)
@@ -118,7 +118,7 @@ def pass_speed(distance: float) -> float:
 
 @kernel
 def pass_to(work: Work, i: int, setup: Setup, x: float, y: float) -> Command:
-    """Pass to a point; if the ball does not lie well for that, bring it in front of the body first."""
+    """Pass to a point, first bringing the ball in front of the body if it is badly placed."""
     me, ball = player_seen(work, i, i), ball_seen(work, i)
     dx, dy = x - ball[0], y - ball[1]
     distance = math.sqrt(dx * dx + dy * dy)

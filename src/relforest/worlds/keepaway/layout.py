@@ -1,4 +1,4 @@
-"""How a batch of games is laid out in memory: what the arrays hold, and what their columns and codes mean.
+"""The memory layout of a batch of games: the arrays, and the meaning of their columns and codes.
 
 Letters: G games, n players (K keepers first, then T takers). Lengths are metres, speeds metres per cycle
 of 0.1 s, and angles degrees from -180 to 180, counted from the x axis towards the y axis; the centre of the
@@ -22,7 +22,7 @@ FULLSTATE: Final = 2
 PERCEPTIONS: Final[Mapping[str, int]] = MappingProxyType(
     {"exact": EXACT, "quantised": QUANTISED, "fullstate": FULLSTATE}
 )
-"""Name of a way to perceive, as options have it -> its code."""
+"""Name of a kind of perception in the options -> its code."""
 
 NONE: Final = 0
 DASH: Final = 1

@@ -1,7 +1,7 @@
 """What a player remembers from cycle to cycle: its last decision, its plan, and how fast the ball was.
 
-A row of zeros is a player that remembers nothing, as when an episode begins; moments are therefore kept as
-the cycle plus one. Points and velocities are in the player's own frame.
+A row of zeros is a player without memories, as at the beginning of an episode; moments are therefore stored
+as the cycle plus one. Points and velocities are in the player's own frame.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from relforest.worlds.keepaway.physics import BALL_DECAY, BALL_SPEED_MAX
 
 LAST_ACTION: Final = 0
 DECIDED: Final = 1
-"""When the player last had the ball in reach and did something about it."""
+"""When the player last had the ball within reach and acted on it."""
 
 POINT_X: Final = 2
 POINT_Y: Final = 3
@@ -48,7 +48,7 @@ def continues_pass(games: Games, g: int, i: int) -> bool:
 
 @kernel
 def remember_decision(games: Games, g: int, i: int, action: int) -> None:
-    """Note what player ``i`` does with the ball in this cycle: 0 = hold, a = pass to the a-th mate."""
+    """Record what player ``i`` does with the ball in this cycle: 0 = hold, a = pass to the a-th mate."""
     games.memory[g, i, LAST_ACTION] = action
     games.memory[g, i, DECIDED] = games.counters[g, TIME] + 1
 
@@ -81,8 +81,8 @@ def looks_again(games: Games, g: int, i: int) -> bool:
 def foresee(games: Games, g: int, i: int, vx: float, vy: float) -> tuple[float, float]:
     """Return the velocity of the ball that player ``i`` expected for this cycle.
 
-    Asking again in the same cycle gives the same answer. A player that did not look one cycle ago expected
-    just what it sees: (``vx``, ``vy``).
+    Repeated calls in the same cycle give the same result. A player that did not look one cycle ago expected
+    exactly what it sees: (``vx``, ``vy``).
     """
     memory, now = games.memory, games.counters[g, TIME]
     if not looks_again(games, g, i):
@@ -109,6 +109,6 @@ def expect_velocity(games: Games, g: int, i: int, vx: float, vy: float) -> None:
 
 @kernel
 def expect_kicked(games: Games, g: int, i: int, vx: float, vy: float) -> None:
-    """Note that player ``i`` has just kicked the ball so that it gets this velocity, if that is possible."""
+    """Record that player ``i`` has just kicked the ball to give it this velocity, if that is possible."""
     limit = min(BALL_SPEED_MAX / max(math.sqrt(vx * vx + vy * vy), BALL_SPEED_MAX), 1.0)
     expect_velocity(games, g, i, vx * limit, vy * limit)

@@ -1,4 +1,4 @@
-"""How players and ball will move, as the players themselves predict it: without noise.
+"""How players predict the motion of players and ball: without noise.
 
 Planning looks at one player and one target in the body frame of the player: x along its body direction, y to
 the side of growing angles. A *pursuit* is (tx, ty, vx, vy): the target relative to the player, and the
@@ -36,7 +36,7 @@ Approach = tuple[float, float, float, float, float, float]
 """The ball relative to the player, its velocity, and that of the player, all in the body frame."""
 
 HORIZON: Final = 100
-"""Cycles that the tables below cover; a ball is as good as at rest then."""
+"""Cycles covered by the tables below; by then, a ball is practically at rest."""
 
 BACK: Final = 2.5
 """Metres up to which a player moves backwards to a ball."""
@@ -217,7 +217,7 @@ def after_dash(pursuit: Pursuit, power: float) -> Pursuit:
 
 @kernel
 def approach_of(me: Player, ball: Ball, c: float, s: float) -> Approach:
-    """Turn player and ball into the body frame, whose x axis is (c, s)."""
+    """Turn player and ball into the body frame with the x axis (c, s)."""
     x, y = ball[0] - me[0], ball[1] - me[1]
     return (
         x * c + y * s,

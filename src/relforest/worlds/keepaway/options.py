@@ -1,4 +1,4 @@
-"""What a user may choose about a game of keepaway."""
+"""The options of a game of keepaway."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from relforest.support.options import between, in_range, one_of
 from relforest.worlds.keepaway.layout import PERCEPTIONS, Setup
 
 SMALLEST_SIDE: Final = 8.0
-"""Metres. The ball begins 4 m inside a corner; on a smaller field that is beyond the middle."""
+"""Metres. The ball begins 4 m inside a corner; on a smaller field that is past the middle."""
 
 LARGEST_SIDE: Final = 1000.0
-"""Metres. Players plan 3 seconds ahead and cover 30 m in that time; a larger field is surely a mistake."""
+"""Metres. Players plan 3 seconds ahead and cover 30 m in that time; a larger field must be a mistake."""
 
 LARGEST_TEAM: Final = 32
 """Players. What they see of each other grows with the square of their number."""
@@ -50,10 +50,10 @@ class KeepawayOptions:
     size : float or (float, float)
         Side of the square field, or its length (along x) and width, in metres, each 8 to 1000.
     perception : {"quantised", "exact", "fullstate"}
-        What players know. ``"quantised"``: all around and in every cycle, but with distances and angles
-        rounded as the RoboCup 2-D server rounds what players see; ``"exact"``: the same without rounding;
-        ``"fullstate"``: without rounding, and without the players' rule that a ball in an opponent's reach
-        stands still. Takers may then turn to and fro for ever before a keeper that holds the ball, which
+        What players know. ``"quantised"``: everything around them in every cycle, with distances and angles
+        rounded as the RoboCup 2-D server does; ``"exact"``: the same without rounding; ``"fullstate"``:
+        without rounding, and without the players' assumption that a ball within an opponent's reach stands
+        still. Takers may then turn to and fro forever in front of a keeper that holds the ball, which
         ``stuck_ball`` alone seldom ends: choose ``max_cycles`` too.
     stuck_ball : int
         Cycles after which the referee stops a ball that has stayed within 3 m; 0 = never. The RoboCup 2-D
@@ -64,7 +64,7 @@ class KeepawayOptions:
     Raises
     ------
     InputError
-        If an option is of another type, or outside its range.
+        If an option has the wrong type or is out of range.
 
     References
     ----------
@@ -94,7 +94,7 @@ class KeepawayOptions:
         return int(self.keepers) + int(self.takers)
 
     def setup(self) -> Setup:
-        """Return the same as the plain numbers that kernels take."""
+        """Return the options as the plain numbers that kernels take."""
         length, width = _sides(self.size)
         return Setup(
             keepers=between("keepers", self.keepers, 2, LARGEST_TEAM),
@@ -108,7 +108,7 @@ class KeepawayOptions:
 
 
 def checked_options(options: object) -> Setup:
-    """Return what kernels take of options; None stands for the default.
+    """Return options as kernels take them; None means the defaults.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Recorded episodes as a page that plays them: one HTML file that needs no network."""
+"""Recorded episodes as a page that plays them: one HTML file that works offline."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ def page(recordings: Sequence[Recording], *, title: str = "Keepaway", subtitle: 
     Returns
     -------
     str
-        HTML. Style, program and data are part of it; it may be opened from a disk.
+        HTML with style, script and data included; it can be opened from disk.
 
     Raises
     ------
     InputError
-        If there is no recording, they differ in field or teams, or a state is not finite.
+        If recordings are missing, they differ in field or teams, or a state is not finite.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""The PettingZoo face of keepaway: every keeper is an agent. It needs the extra ``pettingzoo``."""
+"""The PettingZoo environment of keepaway: every keeper is an agent. It needs the extra ``pettingzoo``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ try:
     from pettingzoo import ParallelEnv
 except ImportError as error:
     raise ImportError(
-        "the parallel face of keepaway needs PettingZoo: pip install 'relforest[pettingzoo]'"
+        "the multi-agent version of keepaway needs PettingZoo: pip install 'relforest[pettingzoo]'"
     ) from error
 
 _Observation = dict[str, Any]
@@ -36,17 +36,17 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
 
     A step lasts from one decision to the next, as in `KeepawayEnv`, and one keeper decides at a time.
     Its actions are those of `KeepawayEnv`: 0 = hold, i = pass to its i-th nearest teammate. All others can
-    only wait: the last action, number ``keepers``, which may also be left out.
+    only wait, which is the last action, number ``keepers``; it may be omitted.
 
-    Each agent observes ``"observation"``, the players as the deciding keeper perceives them, and an
-    ``"action_mask"`` that says what it can do. Keepers are a team: each is paid the cycles that have passed.
-    What a keeper collects from one of its decisions to its next is therefore the time between them. All
-    ``infos`` hold what `KeepawayEnv` says.
+    Each agent observes ``"observation"``, the players as the deciding keeper perceives them, and
+    ``"action_mask"``, its available actions. Keepers are a team: the reward of each is the number of elapsed
+    cycles, so a keeper's total reward between two of its decisions is the time between them. All ``infos``
+    are those of `KeepawayEnv`.
 
     Parameters
     ----------
     render_mode : {"rgb_array", "human"}, optional
-        Whether `render` returns pictures, or every state is shown in a window.
+        ``"rgb_array"``: `render` returns pictures; ``"human"``: every state is shown in a window.
     **rules
         The rules of the game: keepers, takers, size, perception, stuck_ball and max_cycles, see
         `KeepawayOptions`.
@@ -54,8 +54,8 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
     Raises
     ------
     InputError
-        If an option lies outside its range, an action is unavailable, such as a pass by a keeper without the
-        ball, the deciding keeper has no action, or there is no such agent.
+        If an option is out of range, an action is unavailable, such as a pass by a keeper without the ball,
+        the action of the deciding keeper is missing, or an agent does not exist.
     gymnasium.error.ResetNeeded
         On any use before the first `reset`, and on a step after the end of an episode.
     """
@@ -74,7 +74,7 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         self.possible_agents = [f"keeper_{i}" for i in range(keepers)]
         self.agents: list[str] = []
         self.wait = keepers
-        """The action of keepers that do not decide."""
+        """The action of all keepers but the deciding one."""
         observed = {
             "observation": self._game.observation_space,
             "action_mask": spaces.MultiBinary(keepers + 1),
@@ -93,7 +93,7 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
     def reset(
         self, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[_Observations, _Infos]:
-        """Begin an episode; as PettingZoo asks, options that are unknown are passed over."""
+        """Begin an episode. Unknown options are ignored, as PettingZoo requires."""
         checked_reset_options(options, None)
         observation, info = self._env.reset(seed=seed)
         self.agents = list(self.possible_agents)
@@ -119,11 +119,11 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         )
 
     def render(self) -> Any:  # noqa: ANN401 - what the render mode says
-        """Return a picture of the present state, (height, width, 3) uint8 RGB; None if there is a window."""
+        """Return a picture of the present state, (height, width, 3) uint8 RGB; None with a window."""
         return self._env.render()
 
     def close(self) -> None:
-        """Close the window, if there is one."""
+        """Close the window, if one is open."""
         self._env.close()
 
     def state(self) -> NDArray[np.float64]:
@@ -136,7 +136,7 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
         if not isinstance(actions, Mapping):
             raise InputError(f"actions must be a mapping from agents to actions, got {actions!r}")
         if not actions.keys() <= set(self.possible_agents):
-            raise InputError(f"agents are {', '.join(self.possible_agents)}, got actions of {list(actions)}")
+            raise InputError(f"actions must belong to {', '.join(self.possible_agents)}, got {list(actions)}")
         actor = int(self._game.batch.seen.actors[0])
         chosen = self.wait
         for i, agent in enumerate(self.possible_agents):
@@ -147,11 +147,10 @@ class KeepawayParallelEnv(ParallelEnv[str, _Observation, int]):  # type: ignore[
                 chosen = action
             elif action != self.wait:
                 raise InputError(
-                    f"{agent} does not decide now and can only wait ({self.wait}), got {action}; "
-                    f"keeper_{actor} decides"
+                    f"{agent} can only wait ({self.wait}) while keeper_{actor} decides, got {action}"
                 )
         if chosen == self.wait:
-            raise InputError(f"keeper_{actor} must decide: give it an action from 0 to {self.wait - 1}")
+            raise InputError(f"keeper_{actor} must decide: pass its action, from 0 to {self.wait - 1}")
         return chosen
 
     def _observations(self, observation: _Observation, actor: int) -> _Observations:

@@ -139,7 +139,7 @@ def _kick(games: Games, g: int, i: int) -> tuple[float, float]:
 
 @inlined
 def _accelerate(thing: NDArray[np.float64], x: float, y: float, most: float, speed_max: float) -> None:
-    """Add an acceleration, both it and the speed limited. Without one, the speed is not looked at."""
+    """Add an acceleration, limiting both it and the speed. Without one, the speed is not limited."""
     if x != 0.0 or y != 0.0:
         size = math.hypot(x, y)
         scale = most / size if size > most else 1.0
@@ -181,11 +181,11 @@ def _overlapping(players: NDArray[np.float64], ball: NDArray[np.float64], n_play
 
 @kernel
 def separate(games: Games, g: int, n_players: int) -> None:
-    """Push apart what overlaps in game ``g``, and turn back what collided at a tenth of its speed.
+    """Push apart overlapping objects in game ``g``, and reverse the velocity of colliding ones at a tenth.
 
-    Every overlapping pair asks for places symmetric about its middle at touching distance, in a random
-    direction if both are at the same point; everything moves to the mean of the places asked for. This is
-    repeated while anything overlaps, at most ten times.
+    Every overlapping pair requests places symmetric about its middle at touching distance, in a random
+    direction if both are at the same point; every object moves to the mean of the places requested for it.
+    This is repeated while anything overlaps, at most ten times.
     """
     players, ball = games.players[g], games.ball[g]
     wishes = np.zeros((n_players + 1, 3))

@@ -1,7 +1,7 @@
-"""Policies of the benchmark: the three that are written down, and one that follows state variables.
+"""Policies of the benchmark: random, always hold, and the hand-coded one.
 
-The kernel `hand_coded` and the names are used inside simulations; the classes follow the protocol of the
-learners' policies, ``choose(decision, rng)`` returns a position in the decision.
+Simulations use the kernel `hand_coded`; the classes follow the protocol of learned policies:
+``choose(decision, rng)`` returns a position in the decision.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ CALM: Final = 5.0
 """Metres from the nearest taker to the ball holder beyond which the hand-coded policy holds."""
 
 HOLD_SCORE: Final = 90.0
-"""What a pass must exceed, in units of degrees, to be preferred to holding."""
+"""The score, in degrees, that a pass must exceed to be preferred to holding."""
 
 DISTANCE_WEIGHT: Final = 4.0
-"""What a metre between a receiver and its nearest taker is worth, in degrees of free angle."""
+"""The weight of a metre between a receiver and its nearest taker, in degrees of free angle."""
 
 
 @kernel
@@ -56,12 +56,12 @@ def hand_coded(variables: NDArray[np.float64], keepers: int, takers: int) -> int
 
 
 def checked_action(action: object, keepers: int) -> int:
-    """Return what a policy of the form ``(state_variables, rng) -> int`` chose as a plain integer.
+    """Return the action chosen by a policy ``(state_variables, rng) -> int`` as a plain integer.
 
     Raises
     ------
     InputError
-        If it is no integer from 0 to ``keepers - 1``.
+        If it is not an integer from 0 to ``keepers - 1``.
     """
     try:
         chosen = operator.index(action)  # type: ignore[arg-type]
@@ -102,8 +102,8 @@ class HoldPolicy:
 class HandCodedPolicy:
     """Hold until a taker comes close, then pass to the most open teammate.
 
-    A decision does not contain the ball. The keeper that must decide therefore counts as the one nearest to
-    it, which it is, unless two keepers have the ball in reach.
+    A decision does not contain the ball, so the ball is assumed to be at the keeper that must decide. That
+    keeper is the nearest to it unless two keepers can reach the ball.
     """
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
@@ -119,7 +119,7 @@ def decision_variables(decision: Decision) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        If the decision offers no action, as at the end of an episode: nobody has the ball then.
+        If the decision offers no action, as at the end of an episode, when no keeper has the ball.
     """
     decision.check_offers()
     # There is one action for each keeper: hold, and a pass to each of the others.

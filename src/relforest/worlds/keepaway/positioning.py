@@ -32,7 +32,7 @@ def get_open(work: Work, i: int, setup: Setup, passer: int, earliest: int) -> Co
     """Go to the least crowded place to which the ball can be passed, and face the ball there.
 
     Places are a grid of 5 x 5 in the inner 70 % of the field, in fractions of its length (x) and width (y).
-    How crowded one is, is the sum of 1 / distance over all other players. The pass is thought to come from
+    Crowding is the sum of 1 / distance over all other players. The pass is assumed to come from
     where ``passer`` gets the ball. ``earliest`` is as in `cycles_to_ball`.
     """
     me, ball = player_seen(work, i, i), ball_seen(work, i)
@@ -96,8 +96,8 @@ def count_in_cone(
 def move_to(me: Player, x: float, y: float, tolerance: float, back: float) -> Command:
     """Go to a point: dash if it lies ahead within ``tolerance`` degrees, else turn to it.
 
-    A point up to ``back`` metres behind is reached backwards. A player that is so fast that it would need
-    three turns or more stops first.
+    A point up to ``back`` metres behind is reached backwards. A player so fast that it would need three turns
+    or more stops first.
     """
     end_x, end_y = me[0] + me[2] * _ROLL_OUT, me[1] + me[3] * _ROLL_OUT
     angle = wrapped(heading(x - end_x, y - end_y) - me[4])
@@ -121,9 +121,9 @@ def move_to(me: Player, x: float, y: float, tolerance: float, back: float) -> Co
 
 @kernel
 def mark(work: Work, i: int, setup: Setup) -> Command:
-    """Stand between the ball and the keeper to whom fewest takers cut off the pass, 4 m from it.
+    """Stand between the ball and the keeper with the fewest takers cutting off the pass, 4 m from it.
 
-    The pass is thought to come from the keeper that is fastest to the ball, after `line_up`. At its place the
+    The pass is assumed to come from the keeper that is fastest to the ball, after `line_up`. At its place the
     taker faces aside, so that it sees both ball and keeper.
     """
     me, ball = player_seen(work, i, i), ball_seen(work, i)

@@ -1,4 +1,4 @@
-"""Playing episodes and recording everything that happens, cycle by cycle."""
+"""Play episodes and record everything that happens, cycle by cycle."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ from relforest.worlds.keepaway.variables import by_distance, n_variables, state_
 from relforest.worlds.keepaway.views import new_work
 
 MOST_EPISODES: Final = 1000
-"""Episodes that are recorded at once."""
+"""Episodes in one call."""
 
 MOST_RECORDED: Final = 300_000
-"""Cycles of all episodes together: more than 8 hours of play, and up to 2 GB of memory."""
+"""Cycles of all episodes together: more than 8 hours of play, up to 2 GB of memory."""
 
 Values: TypeAlias = Callable[[NDArray[np.float64]], ArrayLike]
-"""From the state variables of a decision to the value of each action, (keepers,), NaN = unknown."""
+"""Function from the state variables of a decision to the value of each action, (keepers,), NaN = unknown."""
 
 
 @runtime_checkable
 class Decider(Protocol):
-    """A policy that looks at the players themselves, and can tell what the actions are worth to it."""
+    """A policy that sees the players themselves and can return the values of its actions."""
 
     def decide(
         self,
@@ -55,7 +55,7 @@ class Decider(Protocol):
     ) -> tuple[int, ArrayLike]:
         """Return an action of the keeper `actor`, and the value of each of its actions, (keepers,).
 
-        `players` (n, 5) and `ball` (4,) are what this keeper perceives, with the columns of `layout`.
+        `players` (n, 5) and `ball` (4,) are as this keeper perceives them, with the columns of `layout`.
         """
         ...
 
@@ -73,12 +73,11 @@ def record_episodes(
     Parameters
     ----------
     policy, options, episodes, seed
-        As for `relforest.worlds.keepaway.durations.play_episodes`, which plays the same episodes faster; the
-        policy may also be a `Decider`, and episodes are at most 1000.
+        As for `relforest.worlds.keepaway.durations.play_episodes`, which plays the same episodes faster,
+        except that the policy may also be a `Decider` and the limit is 1000 episodes.
     values : callable, optional
-        What the actions of a state are worth to the policy; it changes nothing in the game. By default, the
-        actions of the hand-coded policy are worth their scores, those of a `Decider` what it says, and
-        nothing is known of others.
+        Returns the values of the actions in a state, for display only. By default they are the scores of the
+        hand-coded policy or the values that a `Decider` returns, and unknown for other policies.
 
     Returns
     -------
@@ -87,8 +86,8 @@ def record_episodes(
     Raises
     ------
     InputError
-        If an option lies outside its range, the policy returns an action that does not exist, ``values`` does
-        not return one number per action, or the episodes last longer than `MOST_RECORDED` together.
+        If an option is out of range, the policy returns an action that does not exist, ``values`` does not
+        return one number per action, or the episodes together last longer than `MOST_RECORDED` cycles.
     """
     if not callable(policy) and not isinstance(policy, Decider):
         one_of("policy", policy, tuple(POLICIES))
@@ -109,7 +108,7 @@ def record_episodes(
 
 
 def hand_scores(variables: NDArray[np.float64], keepers: int, takers: int) -> NDArray[np.float64]:
-    """Return what the hand-coded policy compares, (keepers,); NaN for passes that it does not consider."""
+    """Return the scores that the hand-coded policy compares, (keepers,); NaN for passes that it ignores."""
     if variables[keepers] > CALM + TIE:
         return np.array([HOLD_SCORE] + [np.nan] * (keepers - 1))
     near, angles = np.split(variables[2 * (keepers + takers) - 1 :], 2)
@@ -132,7 +131,7 @@ class _Recorder:
         self._rng = generator(stream(seed, 1))
 
     def record(self, *, again: bool, most: int) -> Recording:
-        """Play one episode of at most so many cycles, after placing everybody anew if a game goes on."""
+        """Play one episode of at most `most` cycles; `again` places all players anew first."""
         games, setup = self._games, self._setup
         if again:
             place(games, 0, setup)
@@ -152,8 +151,8 @@ class _Recorder:
                 continue
             if len(commands) == most:
                 raise InputError(
-                    f"the episodes last longer than the {MOST_RECORDED} cycles that can be recorded: "
-                    "choose fewer, or a smaller max_cycles"
+                    f"the episodes together exceed {MOST_RECORDED} cycles, the limit for recordings: "
+                    "choose fewer episodes or a smaller max_cycles"
                 )
             answer = NO_ACTION
             commands.append(games.commands[0].copy())
@@ -190,8 +189,8 @@ class _Recorder:
         worth = np.full(keepers, np.nan)
         if isinstance(policy, Decider):
             seen = (self._work.views[actor].copy(), self._work.balls[actor].copy())
-            answer, told = policy.decide(*seen, actor, self._rng)
-            return checked_action(answer, keepers), _checked_values(told, keepers)
+            answer, values = policy.decide(*seen, actor, self._rng)
+            return checked_action(answer, keepers), _checked_values(values, keepers)
         if self._values is not None:
             worth = _checked_values(self._values(variables.copy()), keepers)
         elif policy == "hand":

@@ -1,4 +1,4 @@
-"""Episodes as arrays: what happened in every cycle, and every decision with its reasons."""
+"""Episodes as arrays: every cycle, and every decision with the values it was based on."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Decisions:
     times : (d,) int64
         Cycles since the episode began.
     actors : (d,) int64
-        The keepers who decided.
+        The keepers that decided.
     actions : (d,) int64
         0 = hold, k = pass to the k-th nearest teammate.
     orders : (d, K) int64
         The keepers in the order of the actions: the actor itself, then its teammates, nearest first.
     values : (d, K) float64
-        What the actions were worth to the policy, NaN = unknown.
+        The values of the actions according to the policy, NaN = unknown.
 
     Raises
     ------
@@ -85,12 +85,12 @@ class Recording:
         What the players did in each cycle: kind, power or moment, direction.
     decisions : Decisions
     end : int
-        How the episode ended: OUT, TAKEN or CAPPED; PLAYING if it was recorded in part only.
+        How the episode ended: OUT, TAKEN or CAPPED; PLAYING if the recording is incomplete.
 
     Raises
     ------
     InputError
-        If the shapes do not agree, or ``end`` is no such code.
+        If the shapes do not agree, or ``end`` is not one of these codes.
     """
 
     field: tuple[float, float]

@@ -50,8 +50,8 @@ STUCK_DISTANCE: Final = 3.0
 def place(games: Games, g: int, setup: Setup) -> None:
     """Begin an episode of game ``g``: place players and ball, and set the clock to zero.
 
-    Three keepers start in corners, which of them in which corner is random; the others at the centre. All
-    takers start in the fourth corner, and the ball near the keeper in the first. Everything stands still.
+    Three keepers start in random corners, the others at the centre. All takers start in the fourth corner,
+    and the ball near the keeper in the first. Everything stands still.
     Players go on facing where they faced when the last episode ended, and the stuck-ball rule goes on
     counting.
     """

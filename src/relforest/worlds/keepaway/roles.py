@@ -1,8 +1,8 @@
 """What a player does in a cycle: the scripts of keepers and takers (Stone et al. (2006)).
 
-Read `views` and `memory` for what they go by, `motion` and `arrival` for how they predict, and
-`interception`, `kicks` and `positioning` for what they can do. The functions here put it together, one player
-at a time, after `observe`.
+See `views` and `memory` for their information, `motion` and `arrival` for their predictions, and
+`interception`, `kicks` and `positioning` for their skills. The functions here combine these, one player at a
+time, after `observe`.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ def command_keeper(games: Games, g: int, i: int, action: int, setup: Setup, work
 def command_taker(games: Games, g: int, i: int, setup: Setup, work: Work) -> None:
     """Let taker ``i`` choose its command for this cycle.
 
-    The taker nearest to the ball keeps it when it has it. The two nearest go for the ball, unless a taker has
-    it already; all others mark keepers.
+    The taker nearest to the ball keeps it once it has it. The two nearest go for the ball, unless a taker
+    already has it; all others mark keepers.
     """
     nearer = _takers_nearer(work, i, setup)
     if nearer == 0 and in_reach(work, i):

@@ -2,8 +2,8 @@
 
 What a player sees is quantised: distances in tenths of a metre, directions in whole degrees. So exact ties
 are common (two teammates at the same distance, a ball exactly behind the player), and the order of additions
-could decide on which side of a threshold a number falls. Players treat numbers that differ by less than `TIE`
-as equal wherever that can happen.
+could decide on which side of a threshold a number falls. Wherever that can happen, players treat numbers that
+differ by less than `TIE` as equal.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What a relational learner sees of keepaway: the players, and who may do what.
+"""What a relational learner sees of keepaway: the players and the available actions.
 
 The objects are the players, keepers first: where they are, where they face, and the colour of their team. The
-ball is no object; whoever has it is the holder of every action.
+ball is not an object; the player that has it is the holder in every action.
 
 References
 ----------
@@ -99,7 +99,7 @@ def decision(matrix: NDArray[np.float64], actor: int, receivers: NDArray[np.int6
     matrix : (n, 6) float64
         The objects.
     actor : int
-        The keeper that has the ball and must decide, or `NOBODY`: then there is no action.
+        The keeper that has the ball and must decide, or `NOBODY`, which means that no action is available.
     receivers : (keepers - 1,) int64
         Its teammates in the order of the actions 1, 2, ...: the nearest to it first.
     """

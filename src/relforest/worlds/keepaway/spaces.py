@@ -1,4 +1,4 @@
-"""The Gymnasium spaces of keepaway, the same for its single, batched and multi-agent faces."""
+"""The Gymnasium spaces of keepaway, shared by its single, batched and multi-agent environments."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BEYOND: Final = 100.0
 
 
 def observation_space(setup: Setup) -> spaces.Dict:
-    """Return the space of padded scenes; there is no padding, because the players stay."""
+    """Return the space of padded scenes; nothing is padded, because the number of players is constant."""
     n, reach = setup.keepers + setup.takers, _reach(setup)
     return spaces.Dict(
         {

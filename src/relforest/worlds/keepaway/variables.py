@@ -1,8 +1,8 @@
 """The state variables of the benchmark: distances and angles, players sorted by distance.
 
-With K keepers and T takers there are 4 K + 2 T - 3 of them. K1 is the keeper nearest to the ball, which as a
-rule must decide; K2, K3, ... are its teammates and T1, T2, ... the takers, the nearest to K1 first; C is the
-centre of the field. In order:
+With K keepers and T takers, their number is 4 K + 2 T - 3. K1 is the keeper nearest to the ball, usually the
+one that must decide; K2, K3, ... are its teammates and T1, T2, ... the takers, the nearest to K1 first; C is
+the centre of the field. In order:
 
 - the distance from K1 to C;
 - the distances from K1 to K2, K3, ...;
@@ -36,12 +36,12 @@ ANGLE_WIDTH: Final = 10.0
 
 
 def n_variables(keepers: int, takers: int) -> int:
-    """Return how many state variables there are: 13 for 3 against 2, 19 for 4 against 3.
+    """Return the number of state variables: 13 for 3 against 2, 19 for 4 against 3.
 
     Raises
     ------
     InputError
-        If there are fewer than 2 keepers, or no takers.
+        If ``keepers`` is less than 2 or ``takers`` less than 1.
     """
     return 4 * at_least("keepers", keepers, 2) + 2 * at_least("takers", takers, 1) - 3
 
@@ -52,7 +52,7 @@ def variable_names(keepers: int, takers: int) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        If there are fewer than 2 keepers, or no takers.
+        If ``keepers`` is less than 2 or ``takers`` less than 1.
     """
     n_variables(keepers, takers)
     mates = [f"K{rank}" for rank in range(2, keepers + 1)]
@@ -77,7 +77,7 @@ def tile_widths(keepers: int, takers: int) -> tuple[float, ...]:
     Raises
     ------
     InputError
-        If there are fewer than 2 keepers, or no takers.
+        If ``keepers`` is less than 2 or ``takers`` less than 1.
 
     References
     ----------

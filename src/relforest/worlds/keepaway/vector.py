@@ -1,4 +1,4 @@
-"""The vectorised Gymnasium face of keepaway: many games, one call of a kernel per step."""
+"""The vectorised Gymnasium environment of keepaway: many games, one kernel call per step."""
 
 from __future__ import annotations
 
@@ -28,28 +28,28 @@ _Arrays = dict[str, NDArray[Any]]
 _Infos = dict[str, Any]
 
 MOST_GAMES: Final = 8192
-"""With the largest teams, they take 2 GB of memory."""
+"""The largest teams then need 2 GB of memory."""
 
 MOST_THREADS: Final = 256
-"""More than there are cores in a machine."""
+"""More than the cores of most machines."""
 
 
 @final
 class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any]]):
-    """Many independent games of keepaway; each is what `KeepawayEnv` with the same seed would play.
+    """Many independent games of keepaway; each plays what `KeepawayEnv` would play with the same seed.
 
-    Observations, rewards and flags are those of `KeepawayEnv`, stacked. ``infos`` holds the same entries as
-    arrays of length ``num_envs``, and for each a mask named with ``_`` in front, which tells the games that
-    have it, except for the scene: `scenes` makes those of all games at once. A game whose episode has ended
-    begins another one in the next step: its action is then ignored, its reward 0
-    (``AutoresetMode.NEXT_STEP``). The games are shared out between `n_threads` threads.
+    Observations, rewards and flags are those of `KeepawayEnv`, stacked. ``infos`` contains the same entries
+    as arrays of length ``num_envs``, each with a mask, prefixed with ``_``, of the games that have it. Scenes
+    are left out: `scenes` returns those of all games at once. After the end of its episode, a game begins
+    another one in the next step, ignoring its action, with a reward of 0 (``AutoresetMode.NEXT_STEP``). The
+    games are divided between `n_threads` threads.
 
     Parameters
     ----------
     num_envs : int
-        How many games, 1 to 8192.
+        Number of games, 1 to 8192.
     n_threads : int
-        How many threads play at the same time, 1 to 256; the result does not depend on it.
+        Number of threads, 1 to 256; it does not affect the results.
     render_mode : {"rgb_array"}, optional
         Whether `render` returns pictures.
     **rules
@@ -59,8 +59,8 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     Raises
     ------
     InputError
-        If an option lies outside its range, actions are not ``num_envs`` integers from 0 to keepers - 1, or a
-        reset gets another number of seeds, or options.
+        If an option is out of range, actions are not ``num_envs`` integers from 0 to keepers - 1, or a reset
+        has invalid seeds or any options.
     gymnasium.error.ResetNeeded
         On a step before the first `reset`.
 
@@ -117,8 +117,8 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         Parameters
         ----------
         seed : int or sequence of (int or None), optional
-            One seed per game; from an integer s, game i gets s + i. A game without a seed goes on to its next
-            episode.
+            One seed per game; an integer s gives game i the seed s + i. A game without a seed continues with
+            its next episode.
         """
         checked_reset_options(options, {})
         seeds = self._seeds(seed)
@@ -152,7 +152,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
     def render(self) -> tuple[NDArray[np.uint8], ...]:
         """Return a picture of each game, (height, width, 3) uint8 RGB."""
         if self.render_mode is None:
-            raise InputError('nothing to render with: make the games with render_mode="rgb_array"')
+            raise InputError('render() needs a render mode: make the games with render_mode="rgb_array"')
         return tuple(self.batch.picture(g) for g in range(self.num_envs))
 
     def close_extras(self) -> None:
@@ -209,6 +209,6 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
 
 
 def _add(infos: _Infos, name: str, values: NDArray[Any], mask: NDArray[np.bool_]) -> None:
-    """Add an entry that some games have, as Gymnasium does: only if any has it."""
+    """Add an entry if any game has it, as Gymnasium does."""
     if mask.any():
         infos[name], infos[f"_{name}"] = values, mask

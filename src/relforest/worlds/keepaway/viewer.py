@@ -45,8 +45,8 @@ _GAP: Final = 24.0
 class KeepawayViewer:
     """Draws states of a game: the field, the players with their body directions, the ball, and a decision.
 
-    Keepers are yellow and carry numbers from 1, takers are blue. A ring around the keeper that must decide
-    shows how far it can kick; an arrow shows a pass it has chosen. Below the field stand the time and, if
+    Keepers are yellow with numbers from 1, takers are blue. A ring around the keeper that must decide
+    shows how far it can kick; an arrow shows a pass it has chosen. Below the field are the time and, if
     given, the values of its actions as bars.
 
     Parameters
@@ -144,7 +144,7 @@ class KeepawayViewer:
         array = np.asarray(values, dtype=np.float64)
         shape = (columns,) if name == "ball" else (self._keepers + self._takers, columns)
         if array.shape != shape or not np.isfinite(array).all():
-            raise InputError(f"{name} must hold finite numbers of the shape {shape}, got {array.shape}")
+            raise InputError(f"{name} must contain finite numbers in shape {shape}, got {array.shape}")
         return array
 
     def _receivers(self, players: NDArray[np.float64], actor: int, receivers: ArrayLike | None) -> list[int]:

@@ -1,17 +1,17 @@
-"""What each player sees in a cycle, and where it keeps it: the work space of one game.
+"""What each player sees in a cycle: the work space of one game.
 
 Every player sees the whole field in its own frame: keepers that of the server, takers the field turned by 180
-degrees about its centre, as in the RoboCup 2-D server, so that everybody plays to the right. It knows itself
-exactly. Of everything else it sees, with ``QUANTISED`` perception,
+degrees about its centre, as in the RoboCup 2-D server, so that every player plays to the right. It knows
+itself exactly. Of everything else it sees, with ``QUANTISED`` perception,
 
 - the distance d as 0.1 round(10 exp(0.1 round(10 ln d))), about 5 % up or down;
-- the direction, relative to its body, in whole degrees, and the body direction of other players likewise;
+- the direction, relative to its body, in whole degrees, as is the body direction of other players;
 - the radial velocity in steps of 0.02 of the distance, and the angular velocity in steps of 0.1 degrees;
 - the velocity of the ball, as the mean of what it sees and what it expected if the two agree within a tenth.
 
-A player that does not have the ball, while an opponent has, takes the ball to be at rest; without this,
-takers would chase where a holder might kick it and never close in. With ``EXACT`` perception only this
-remains, with ``FULLSTATE`` not even this.
+A player without the ball assumes that a ball held by an opponent is at rest; otherwise takers would chase
+where a holder might kick it and never close in. ``EXACT`` perception keeps only this rule, ``FULLSTATE`` not
+even that.
 
 Letters: n players; player i sees player j.
 """

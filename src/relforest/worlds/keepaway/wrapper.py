@@ -1,4 +1,4 @@
-"""Keepaway for learners that want a vector: the benchmark's state variables as the observation."""
+"""Keepaway for learners that need vectors: the benchmark's state variables as the observation."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from relforest.worlds.keepaway.spaces import variables_space
 class StateVariables(
     gymnasium.ObservationWrapper[NDArray[np.float64], np.int64, dict[str, Any]], RecordConstructorArgs
 ):
-    """Shows the state variables of the benchmark instead of the scene: 13 numbers for 3 against 2.
+    """Replaces the scene by the state variables of the benchmark: 13 numbers for 3 against 2.
 
     Parameters
     ----------
     env : gymnasium.Env
-        Keepaway, wrapped or not, as long as its observations are those of `KeepawayEnv`.
+        Keepaway, possibly wrapped, with the observations of `KeepawayEnv`.
 
     Raises
     ------
@@ -45,7 +45,7 @@ class StateVariables(
         gymnasium.ObservationWrapper.__init__(self, env)
         world = env.unwrapped
         if not isinstance(world, KeepawayEnv):
-            raise InputError(f"only keepaway has these state variables, got {type(world).__name__}")
+            raise InputError(f"env must be keepaway, got {type(world).__name__}")
         self._world = world
         self.observation_space = variables_space(world.setup)
 
