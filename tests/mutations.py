@@ -261,7 +261,7 @@ def _near(number: float, rng: np.random.Generator) -> float:
     """Return another number of the same type, close or far."""
     if isinstance(number, int):
         return number + int(rng.integers(-3, 4))
-    return float(number * rng.choice([-1.0, 0.0, 0.5, 0.999, 2.0, 1e10, 1e-10, 1e35, 1e-60, 1e300]))
+    return number * float(rng.choice([-1.0, 0.0, 0.5, 0.999, 2.0, 1e10, 1e-10, 1e35, 1e-60, 1e300]))
 
 
 def _npy(rng: np.random.Generator) -> bytes:

@@ -132,6 +132,12 @@ def damage(*keys: str | int, value: object) -> Callable[[dict[str, Any]], None]:
         damage("columns", "attributes", value={"location": ["x", "y"]}),
         damage("columns", "attributes", "location", value="xy"),
         damage("columns", "arguments", value=[1]),
+        damage("classes", value=["1", 1]),
+        damage("columns", "attributes", value={name: ["x"] for name in SCHEMA.names}),
+        damage("columns", "arguments", value=["p", "q"]),
+        damage("points", 0, "positive", value=[[0.0, 1e41]]),
+        damage("points", 0, "positive", value=[["1", "2"]]),
+        damage("points", 0, "negative", value=[[0.0, 0.0]] * (MOST_POINTS + 1)),
         damage("points", value=3),
         damage("points", 0, "node", value=0),
         damage("points", 0, "node", value=-1),
@@ -153,6 +159,19 @@ def test_damaged_models_are_refused(tmp_path: Path, change: Callable[[dict[str, 
     with pytest.raises(
         ModelFormatError, match=r"tree\.json is damaged: .*; restore it, or learn the tree again"
     ):
+        read_model(path)
+
+
+@pytest.mark.parametrize(
+    "change", [damage("classes", value=["a\x00", "b"]), damage("label", value="\ud800")], ids=["nul", "half"]
+)
+def test_text_that_cannot_be_shown_is_refused(tmp_path: Path, change: Callable[[Any], None]) -> None:
+    path = tmp_path / "tree.json"
+    document = written(path, a_model())
+    change(document)
+    path.write_text(json.dumps(document))
+
+    with pytest.raises(ModelFormatError, match=r"tree\.json holds the character U\+(0000|D800) in "):
         read_model(path)
 
 

@@ -106,6 +106,8 @@ def test_trees_that_are_none_are_named(folder: Path) -> None:
         {"actions": [1]},
         {"actions": None, "iteration": None},
         {"iteration": "two"},
+        {"actions": [{"name": "wait", "parameters": [], "weights": "wait", "trees": []}] * 1001},
+        {"schema": {"attributes": [{}] * 1001, "parameters": []}},
     ],
 )
 def test_hostile_descriptions_are_refused(folder: Path, changes: dict[str, Any]) -> None:
@@ -122,6 +124,8 @@ def test_hostile_descriptions_are_refused(folder: Path, changes: dict[str, Any])
         {"trees": [".json"]},
         {"trees": [7]},
         {"trees": ["0001-pick-1.json"]},
+        {"trees": "0001-wait-1.json"},
+        {"trees": [f"{'x' * 300}.json"]},
         {"trees": []},
         {"trees": 3},
         {"name": ""},
@@ -137,6 +141,14 @@ def test_hostile_actions_are_refused(folder: Path, changes: dict[str, Any]) -> N
     actions[0] |= changes
     edit(folder, actions=actions)
     with pytest.raises(ModelFormatError):
+        read_policy(folder)
+
+
+def test_a_tree_that_is_listed_often_is_refused(folder: Path) -> None:
+    actions = actions_of(folder)
+    actions[0] |= {"trees": actions[0]["trees"] * 1000}
+    edit(folder, actions=actions)
+    with pytest.raises(ModelFormatError, match=r"it lists the tree '0001-wait-1\.json' 1000 times"):
         read_policy(folder)
 
 

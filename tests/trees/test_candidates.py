@@ -13,6 +13,7 @@ from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, be
 from relforest.trees.expansions import Expansion
 from relforest.trees.probabilities import assign
 from relforest.trees.sequences import Sequences, argument_places
+from relforest.trees.structure import MAX_VARIABLES
 from small_trees import NOWHERE, Place, ball, plane, scenes_in
 
 Booleans = NDArray[np.bool_]
@@ -154,6 +155,17 @@ def test_a_mapping_of_many_objects_needs_no_mapping_of_few() -> None:
 
     assert [(question.expansion.n_new, len(question.points)) for question in questions] == [(2, 4)]
     assert left_out == 0
+
+
+def test_a_branch_that_binds_all_it_may_is_not_extended() -> None:
+    scenes = scenes_in(plane(operations=("identity",)), PLACES)
+    full = Sequences(np.arange(4), np.full((4, MAX_VARIABLES), -1))
+    mappings = catalogue(scenes.schema)
+    questions, left_out = prepare(scenes, argument_places(scenes), full, mappings, 1000)
+
+    # Nothing is bound, so that there is nothing to ask without another variable either.
+    assert questions == []
+    assert left_out > 0
 
 
 def candidate(p_value: float, gain: float) -> Candidate:

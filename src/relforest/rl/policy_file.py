@@ -24,6 +24,7 @@ from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, read_npz, write_json, write_npz
 from relforest.trees import Tree
+from relforest.trees.structure import check_counts
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
 
@@ -69,6 +70,7 @@ def rebuild(
         If a part is missing or malformed, or the parts do not fit together.
     """
     with well_formed(f"{origin} does not describe a policy"):
+        check_counts({"nodes": (), "schema": document["schema"]})
         schema = Schema.from_dict(document["schema"])
         actions = [dict(entry) for entry in document["actions"]]
         if len(actions) > MAX_ACTIONS:

@@ -16,9 +16,10 @@ from typing import Any, Final
 from relforest.support.errors import ModelFormatError
 
 MAX_DEPTH: Final = 64
-MAX_VALUES: Final = 4_000_000
+MAX_VALUES: Final = 2_000_000
 """Values of a document; a tree of 1000 questions in 3 dimensions with its sample of points has 1 million."""
-MAX_OBJECTS: Final = 500_000
+MAX_KEYS: Final = 1_000_000
+MAX_OBJECTS: Final = 250_000
 LARGEST_NUMBER: Final = 1e100
 """Squares of such numbers, and sums of many squares, do not overflow."""
 LONGEST_TEXT: Final = 10_000
@@ -33,11 +34,14 @@ def check_extent(data: bytes, origin: str) -> None:
     Raises
     ------
     ModelFormatError
-        If it could hold more than `MAX_VALUES` values or `MAX_OBJECTS` objects.
+        If it could hold more than `MAX_VALUES` values, `MAX_KEYS` keys or `MAX_OBJECTS` objects.
     """
-    if data.count(b",") + data.count(b"[") + data.count(b"{") > MAX_VALUES or data.count(b"{") > MAX_OBJECTS:
+    objects = data.count(b"{")
+    values = data.count(b",") + data.count(b"[") + objects
+    if values > MAX_VALUES or data.count(b":") > MAX_KEYS or objects > MAX_OBJECTS:
         raise ModelFormatError(
-            f"{origin} is too large: a document may hold {MAX_VALUES} values and {MAX_OBJECTS} objects"
+            f"{origin} is too large: a document may hold {MAX_VALUES} values, {MAX_KEYS} keys and "
+            f"{MAX_OBJECTS} objects"
         )
 
 

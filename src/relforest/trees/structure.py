@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from relforest.support.errors import InputError
 from relforest.trees.nodes import Instantiation, Node, Question, children
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from relforest.scenes import Attribute, Schema
 
 # Far beyond what can be learned, since every question must prove itself on scenes and every variable needs an
@@ -74,16 +76,25 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
     return bound, above
 
 
+def check_counts(document: Mapping[str, Any]) -> None:
+    """Check the lengths of the lists in the JSON form of a tree, before anything is built from them."""
+    schema = document["schema"]
+    _check_most("nodes", len(document["nodes"]), MAX_NODES)
+    _check_most("attributes", len(schema["attributes"]), MAX_ATTRIBUTES)
+    _check_most("action arguments", len(schema["parameters"]), MAX_VARIABLES)
+
+
 def _check_size(schema: Schema, nodes: tuple[Node, ...]) -> None:
-    for count, most, what in (
-        (len(schema.attributes), MAX_ATTRIBUTES, "attributes"),
-        (schema.width, MAX_WIDTH, "components of attributes"),
-        (schema.n_parameters, MAX_VARIABLES, "action arguments"),
-        (len(nodes), MAX_NODES, "nodes"),
-    ):
-        if count > most:
-            msg = f"a tree with {count} {what} is too large: at most {most} are allowed"
-            raise InputError(msg)
+    _check_most("nodes", len(nodes), MAX_NODES)
+    _check_most("attributes", len(schema.attributes), MAX_ATTRIBUTES)
+    _check_most("action arguments", schema.n_parameters, MAX_VARIABLES)
+    _check_most("components of attributes", schema.width, MAX_WIDTH)
+
+
+def _check_most(what: str, count: int, most: int) -> None:
+    if count > most:
+        msg = f"a tree with {count} {what} is too large: at most {most} are allowed"
+        raise InputError(msg)
 
 
 def _check_question(known: frozenset[Attribute], index: int, node: Question, n_bound: int) -> None:

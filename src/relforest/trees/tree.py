@@ -13,7 +13,7 @@ from relforest.support.files import check_document
 from relforest.trees.node_json import node_from_dict, node_to_dict
 from relforest.trees.nodes import Instantiation, Leaf, Node, Question, shifted
 from relforest.trees.packing import PackedTree, pack
-from relforest.trees.structure import check_structure
+from relforest.trees.structure import check_counts, check_structure
 from relforest.trees.text import describe
 
 if TYPE_CHECKING:
@@ -150,6 +150,7 @@ class Tree:
         """
         checked = check_document(document, format=FORMAT, version=VERSION, origin="tree")
         with well_formed("malformed tree"):
+            check_counts(checked)
             schema = Schema.from_dict(checked["schema"])
             attributes = {attribute.name: attribute for attribute in schema.attributes}
             return cls(schema, tuple(node_from_dict(node, attributes) for node in checked["nodes"]))

@@ -125,6 +125,7 @@ def test_bad_observations_are_refused(observation: Any, message: str) -> None:
         ({"n_actions": 10**9}, "need .* features"),
         ({"tilings": 0}, "tilings must be an integer of at least 1"),
         ({"tilings": 2.5}, "tilings must be an integer of at least 1"),
+        ({"widths": [1.0] * 10_001}, "widths must be at most 10000 numbers, got 10001"),
         ({"lower": [0.0, 0.0]}, "lower must be one number, or 1 as the widths"),
         ({"upper": [[1.0]]}, r"upper\[0\] must be a finite number"),
         ({"upper": 0.0}, r"upper\[0\] must be above lower\[0\] = 0.0, got 0.0"),
