@@ -53,8 +53,9 @@ class ResumeSetting:
     part: int = 0
 
     def __str__(self) -> str:
-        """Return the title."""
-        return self.title
+        """Return the title and, if there are several parts, which kills these are."""
+        first = self.part * self.moments
+        return f"{self.title}, {first + 1} to {first + self.moments}" if self.whom == PARENT else self.title
 
 
 _ORPHANS: Final = "two small runs in two processes, the first process killed"
