@@ -198,7 +198,10 @@ def test_a_choice_may_be_widened_later_in_the_same_folder(tmp_path: Path) -> Non
             r"the study dice does not offer a choice of sides, only of parity and counts: omit it",
         ),
         ({"counts": ["2", "5"]}, r"counts of the study dice must be one of '2', '3', '4', got '5'"),
-        ({"counts": ["2"], "parity": ["odd"]}, r"no setting of the study dice has counts 2 and parity odd: choose"),
+        (
+            {"counts": ["2"], "parity": ["odd"]},
+            r"no setting of the study dice has counts 2 and parity odd: choose",
+        ),
     ],
 )
 def test_a_choice_must_exist(tmp_path: Path, only: dict[str, list[str]], complaint: str) -> None:

@@ -224,8 +224,9 @@ def test_a_stub_in_words() -> None:
     stub = Tree.stub(plane(), Leaf(0.75, 1, 3))
 
     assert str(stub) == (
-        "SMRF tree with 0 questions and 1 leaf\n0.75  (3 of 4 scenes positive)\nevery leaf predicts positive: "
-        "relforest fit --positive LABEL looks for what exists in scenes of the other class"
+        "SMRF tree with 0 questions and 1 leaf\n0.75  (3 of 4 scenes positive)\n"
+        "every leaf predicts positive: relforest fit --positive LABEL looks for what exists in scenes of "
+        "the other class"
     )
 
 
