@@ -104,6 +104,8 @@ def test_a_damaged_file_is_no_experience() -> None:
     arrays = two_episodes().arrays()
     with pytest.raises(ModelFormatError, match=r"batch\.npz is no valid batch .* rewards must be finite"):
         Experience.from_arrays(arrays | {"rewards": np.full(3, np.nan)}, origin="batch.npz")
+    with pytest.raises(ModelFormatError, match="objects must be a 1-dimensional array"):
+        Experience.from_arrays(arrays | {"objects": np.array(5)}, origin="batch.npz")
     del arrays["rewards"]
     with pytest.raises(ModelFormatError, match="lacks rewards"):
         Experience.from_arrays(arrays, origin="batch.npz")

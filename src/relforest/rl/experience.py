@@ -131,7 +131,7 @@ class Experience:
         missing = [name for name in COLUMNS if name not in arrays and name not in OPTIONAL_COLUMNS]
         if missing:
             raise ModelFormatError(f"{origin} is no batch of experience: it lacks {', '.join(missing)}")
-        n_states = max(len(arrays["objects"]) - 1, 0)
+        n_states = max(arrays["objects"].size - 1, 0)
         columns = {"private": np.zeros(n_states, np.int64)} | dict(arrays)
         try:
             return cls(**{name: columns[name] for name in COLUMNS})
