@@ -109,6 +109,15 @@ def test_a_path_that_cannot_be_written_is_named(
     assert names_in(tmp_path) == ["file"]
 
 
+def test_a_pipe_is_not_replaced(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="pipe cannot be replaced: it is not a regular file"):
+        files.write_text(tmp_path / "pipe", "text")
+
+    assert (tmp_path / "pipe").is_fifo()
+    assert names_in(tmp_path) == ["pipe"]
+
+
 def test_the_longest_name_that_a_file_system_allows_can_be_written(tmp_path: Path) -> None:
     for name in ("x" * 255, "ü" * 127):
         files.write_text(tmp_path / name, "text")
@@ -449,6 +458,7 @@ DAMAGED = "array 'counts' of .* is damaged: it does not begin as an array of num
         (archive_of(COUNTS[:60]), DAMAGED),
         (archive_of(COUNTS.replace(b"(3,)", b"(3,")), DAMAGED),
         (archive_of(COUNTS.replace(b"(3,)", b"(x,)")), DAMAGED),
+        (archive_of(COUNTS.replace(b"(3,), }" + b" " * 40, b"(" + b"1" * 46)), DAMAGED),
         (archive_of(COUNTS.replace(b"'<i8'", b"print")), DAMAGED),
         (archive_of(COUNTS[:-1]), r"23 bytes do not fill the shape \(3,\)"),
         (archive_of(COUNTS + b"x"), r"25 bytes do not fill the shape \(3,\)"),

@@ -29,7 +29,7 @@ _PLAIN: Final = re.compile(r"\|[biu]1|[<>](?:[iu][248]|f[248])")
 _HEADER: Final = re.compile(
     rb"\x93NUMPY(?:\x01\x00..|[\x02\x03]\x00....)"
     rb"\{'descr': '([^']{2,9})', 'fortran_order': (False|True), "
-    rb"'shape': \(((?:\d{1,12}(?:, ?)?){0,8})\), \} *\n",
+    rb"'shape': \(((?:\d{1,12}, ){0,7}(?:\d{1,12},?)?)\), \} *\n",
     re.DOTALL,
 )
 

@@ -67,12 +67,14 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     OSError
         If the file cannot be written; ``filename`` is set, and what was at ``path`` before is still there.
     InputError
-        If ``path`` is empty or cannot be a path.
+        If ``path`` is empty, cannot be a path, or is a pipe or a device.
     """
     with _writing(path):
         target = Path(os.path.realpath(path))
         if target.is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+        if target.exists() and not target.is_file():
+            raise InputError(f"{path} cannot be replaced: it is not a regular file")
         make_folder(target.parent)
         stem = os.fsdecode(os.fsencode(target.name)[:_LONGEST_STEM])
         temporary = target.with_name(f".{stem}.{secrets.token_hex(8)}.tmp")
