@@ -82,13 +82,13 @@ def test_bare_trees_are_models_without_names(tmp_path: Path) -> None:
     ("text", "complaint"),
     [
         ("", "is not valid JSON"),
-        ("[1]", "not an object"),
+        ("[1]", "expected an object"),
         ("[" * 100_000, "nested more than"),
         ('{"format": "other", "version": 1}', "its format is 'other'"),
         ('{"format": "relforest-model", "version": 2}', "was written by a newer relforest"),
-        ('{"format": "relforest-model", "version": NaN}', "no valid version|not finite"),
-        ('{"format": "relforest-model", "version": 1}', "holds no valid tree"),
-        ('{"format": "relforest-tree", "version": 1, "nodes": []}', "holds no valid tree"),
+        ('{"format": "relforest-model", "version": NaN}', "an invalid version|not finite"),
+        ('{"format": "relforest-model", "version": 1}', "does not contain a valid tree"),
+        ('{"format": "relforest-tree", "version": 1, "nodes": []}', "does not contain a valid tree"),
         ("\x00\x01pickle", "is not valid JSON"),
     ],
 )
@@ -171,7 +171,7 @@ def test_text_that_cannot_be_shown_is_refused(tmp_path: Path, change: Callable[[
     change(document)
     path.write_text(json.dumps(document))
 
-    with pytest.raises(ModelFormatError, match=r"tree\.json holds the character U\+(0000|D800) in "):
+    with pytest.raises(ModelFormatError, match=r"tree\.json contains the character U\+(0000|D800) in "):
         read_model(path)
 
 
@@ -181,5 +181,5 @@ def test_damaged_trees_are_refused(tmp_path: Path) -> None:
     document["tree"]["nodes"].pop()
     path.write_text(json.dumps(document))
 
-    with pytest.raises(ModelFormatError, match="holds no valid tree"):
+    with pytest.raises(ModelFormatError, match="does not contain a valid tree"):
         read_model(path)

@@ -86,7 +86,7 @@ def test_a_bare_tree_needs_a_file_of_scenes(run: CommandLine, table: Path, tmp_p
         (None, "cannot be read"),
         ("{", "is not valid JSON"),
         ("[[[[", "is not valid JSON"),
-        ("{}", "names no format"),
+        ("{}", "the key 'format' is missing"),
     ],
 )
 def test_bad_models_are_one_clear_line(

@@ -1,8 +1,8 @@
-"""Model files: a tree together with what is needed to apply it to a table.
+"""Model files: a tree and everything needed to apply it to a table.
 
-A model file is a JSON document of the format ``relforest-model``: the label and its two classes, the columns
-that scenes were read from, the tree as `Tree.to_dict` writes it, and for each question a sample of the
-training points, for pictures.
+A model file is a JSON document of format ``relforest-model``: the label and its two classes, the columns that
+the scenes were read from, the tree as written by `Tree.to_dict`, and a sample of the training points of each
+question, for pictures.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from relforest.volumes.ellipsoid import LARGEST_VALUE
 FORMAT: Final = "relforest-model"
 VERSION: Final = 1
 MOST_POINTS: Final = 150
-"""Most points of either class that are stored for a question."""
+"""Largest number of points per class stored for a question."""
 
 Label = bool | int | str
 
@@ -37,17 +37,17 @@ Label = bool | int | str
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A tree and its surroundings.
+    """A tree and how to apply it.
 
     Parameters
     ----------
     tree : Tree
     label : str
-        What it predicts: the column that the labels stood in; empty if that is not known.
+        The column of labels that the tree predicts; empty if unknown.
     classes : tuple of two labels
         The second one is the positive class.
     columns : Columns or None
-        Where scenes stand in a table; None if that is not known.
+        Where to find scenes in a table; None if unknown.
     points : mapping of int to QuestionPoints
         Training points of questions, by node index.
     """
@@ -66,7 +66,7 @@ class Model:
 
     @property
     def remedy(self) -> str:
-        """What to do with a file whose columns are not known, for messages."""
+        """What to do about a table of unknown columns, for error messages."""
         return "the model does not name the columns of its scenes, so use a file that was"
 
     @property
@@ -76,7 +76,7 @@ class Model:
 
 
 def write_model(path: Path, model: Model) -> None:
-    """Write a model file, whole or not at all."""
+    """Write a model file atomically."""
     columns = model.columns
     write_json(
         path,
@@ -104,12 +104,12 @@ def write_model(path: Path, model: Model) -> None:
 
 
 def read_model(path: Path) -> Model:
-    """Read a model file, or the file of a bare tree, as a run folder has it.
+    """Read a model file, or the file of a single tree from a run folder.
 
     Raises
     ------
     ModelFormatError
-        If the file is neither, or is damaged; nothing in it is executed.
+        If the file is neither, or is damaged. Nothing in it is executed.
     """
     try:
         document = read_json(path, format=FORMAT, version=VERSION)
@@ -131,7 +131,7 @@ def read_model(path: Path) -> Model:
 
 
 def _tree(path: Path, document: object) -> Tree:
-    with well_formed(f"{path} holds no valid tree"):
+    with well_formed(f"{path} does not contain a valid tree"):
         return Tree.from_dict(document)
 
 
@@ -151,7 +151,7 @@ def _classes(value: object) -> tuple[Label, Label]:
     if not isinstance(value, list) or not all(isinstance(entry, (bool, int, str)) for entry in value):
         raise TypeError(f"expected a list of two labels, got {value!r:.50}")
     first, second = value
-    # Compared as the command line prints them.
+    # Compared as printed by the command line.
     if str(first) == str(second):
         raise ValueError(f"the two classes must differ, got {value!r:.50}")
     return first, second
@@ -163,9 +163,9 @@ def _columns(document: Any, tree: Tree) -> Columns | None:  # noqa: ANN401 - not
     attributes = {name: _texts(names) for name, names in document["attributes"].items()}
     components = [attribute.dim for attribute in tree.schema.attributes]
     if list(attributes) != list(tree.schema.names) or list(map(len, attributes.values())) != components:
-        raise ValueError("the columns are not those of the tree's attributes")
+        raise ValueError("the columns do not match the attributes of the tree")
     if len(document["arguments"]) != tree.schema.n_parameters:
-        raise ValueError("the columns of arguments are not those of the tree")
+        raise ValueError("the columns of arguments do not match the tree")
     return Columns(
         _text(document["scene"]),
         None if document["object"] is None else _text(document["object"]),
@@ -176,7 +176,7 @@ def _columns(document: Any, tree: Tree) -> Columns | None:  # noqa: ANN401 - not
 
 def _points_to_dict(index: int, question: Question, points: QuestionPoints) -> dict[str, Any]:
     sample = points.thinned(MOST_POINTS, question.volume)
-    # Five digits are far more than a picture can show.
+    # Five digits are more than a picture can show.
     rounded = [[float(f"{value:.5g}") for value in point] for point in sample.points.tolist()]
     return {
         "node": index,
@@ -189,7 +189,7 @@ def _points(document: Any, tree: Tree) -> tuple[int, QuestionPoints]:  # noqa: A
     index = document["node"]
     node = tree.nodes[index] if isinstance(index, int) and 0 <= index < len(tree.nodes) else None
     if not isinstance(node, Question):
-        raise TypeError(f"node {index!r:.50} is no question")
+        raise TypeError(f"node {index!r:.50} is not a question")
     positive, negative = (_sample(document[key], node.mapping.dim) for key in ("positive", "negative"))
     labels = np.repeat([True, False], [len(positive), len(negative)])
     return index, QuestionPoints(np.concatenate([positive, negative]), labels)

@@ -1,8 +1,8 @@
-"""The bytes of a ``.npz`` archive: plain arrays in a ZIP file, as NumPy writes them.
+"""Packing and unpacking ``.npz`` archives: plain arrays in a ZIP file, as NumPy writes them.
 
-NumPy's own reader evaluates the header of an array, and a ZIP file may be packed in many ways. Here only
-numbers and booleans are read, the header is matched against a pattern, and an array's size is known before it
-is made.
+NumPy's own reader evaluates the header of an array, and accepts any kind of ZIP file. Here only numbers and
+booleans are read, the header is matched against a pattern, and the size of an array is checked before the
+array is created.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from relforest.support.errors import InputError, ModelFormatError
 
 MAX_MEMBERS: Final = 10_000
 
-# Fixed, so that equal arrays give equal bytes whenever they are written.
+# Fixed, so that equal arrays always give equal bytes.
 _ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 _PACKING: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _ENTRY: Final = b"PK\x01\x02"
@@ -35,12 +35,12 @@ _HEADER: Final = re.compile(
 
 
 def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
-    """Return the archive of named arrays; equal arrays give equal bytes.
+    """Pack named arrays into an archive; equal arrays give equal bytes.
 
     Raises
     ------
     InputError
-        If an array holds anything but booleans, integers and floats; `origin` says where it was to go.
+        If an array contains anything but booleans, integers and floats; `origin` names the file.
     """
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
@@ -48,7 +48,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
             if not _PLAIN.fullmatch(array.dtype.str):
                 held = "Python objects" if array.dtype.hasobject else f"values of type {array.dtype}"
                 raise InputError(
-                    f"array {name!r} cannot be written to {origin}: it holds {held}, not numbers or booleans"
+                    f"array {name!r} cannot be written to {origin}: it contains {held} instead of numbers"
                 )
             entry = zipfile.ZipInfo(f"{name}.npy", _ZIP_TIME)
             with archive.open(entry, "w", force_zip64=True) as member:
@@ -59,29 +59,29 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
 def unpack_arrays(
     data: bytes, names: Iterable[str], *, optional: Container[str], max_bytes: int, origin: str
 ) -> dict[str, NDArray[Any]]:
-    """Return named arrays of an archive, in the order of the names.
+    """Unpack named arrays from an archive, in the order of the names.
 
     Parameters
     ----------
     data : bytes
         The archive.
     names : iterable of str
-        The arrays to read; others are left unread.
+        The arrays to read; others are ignored.
     optional : container of str
-        Those of them that are left out if the archive lacks them.
+        Names that may be missing.
     max_bytes : int
-        Archives that would be larger when unpacked are refused.
+        Archives that unpack to more than this are rejected.
     origin : str
-        Where the data came from, for messages.
+        Where the data came from, for error messages.
 
     Raises
     ------
     ModelFormatError
-        If the data are not such an archive, or an array is missing, damaged or not of numbers or booleans.
+        If the data are not a valid archive, or an array is missing, damaged, or not of numbers or booleans.
     """
     if data.count(_ENTRY) > MAX_MEMBERS:
-        raise ModelFormatError(f"{origin} holds more than the {MAX_MEMBERS} arrays allowed")
-    # Damaged bytes make the ZIP reader and what it unpacks with raise errors of any type.
+        raise ModelFormatError(f"{origin} contains more than {MAX_MEMBERS} arrays, which is the limit")
+    # On damaged bytes, the ZIP reader and its decompressors raise errors of many types.
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             _check_entries(archive.infolist(), max_bytes, origin)
@@ -101,7 +101,7 @@ def _check_entries(entries: Sequence[zipfile.ZipInfo], max_bytes: int, origin: s
         raise ModelFormatError(f"{origin} is damaged: two of its arrays have the same name")
     for entry in entries:
         if entry.compress_type not in _PACKING:
-            raise ModelFormatError(f"{origin} is packed with a method other than those of NumPy")
+            raise ModelFormatError(f"{origin} uses a compression method that NumPy does not use")
 
 
 def _contents(
@@ -113,7 +113,7 @@ def _contents(
         entry = entries.get(f"{name}.npy")
         if entry is not None:
             with archive.open(entry) as member:
-                # No more than its size, which was checked, whatever it unpacks to.
+                # At most its stated size, which was checked, whatever it unpacks to.
                 contents[name] = member.read(entry.file_size)
         elif name not in optional:
             raise ModelFormatError(f"array {name!r} is missing from {origin}")
@@ -123,18 +123,18 @@ def _contents(
 def _array(content: bytes, what: str) -> NDArray[Any]:
     header = _HEADER.match(content)
     if header is None:
-        raise ModelFormatError(f"{what} is damaged: it does not begin as an array of numbers does")
+        raise ModelFormatError(f"{what} is damaged: its header is not that of an array of numbers")
     kind, fortran_order, lengths = header.groups()
     if not _PLAIN.fullmatch(kind.decode("latin-1")):
         raise ModelFormatError(f"{what} has the type {kind!r}: only numbers and booleans can be read")
     dtype = np.dtype(kind.decode("latin-1"))
     shape = tuple(int(length) for length in re.findall(rb"\d+", lengths))
     values = content[header.end() :]
-    # With 1 for 0, because NumPy multiplies the other lengths of an empty array too.
+    # Lengths of 0 count as 1, because NumPy multiplies the other lengths of an empty array too.
     extent = math.prod(max(length, 1) for length in shape) * dtype.itemsize
     if len(values) != math.prod(shape) * dtype.itemsize or extent > np.iinfo(np.int64).max:
         raise ModelFormatError(f"{what} is damaged: {len(values)} bytes do not fill the shape {shape}")
     if dtype.kind == "b" and values.strip(b"\x00\x01"):
-        raise ModelFormatError(f"{what} is damaged: it holds booleans other than 0 and 1")
+        raise ModelFormatError(f"{what} is damaged: it contains booleans other than 0 and 1")
     flat: NDArray[Any] = np.frombuffer(values, dtype=dtype)
     return flat.reshape(shape, order="F" if fortran_order == b"True" else "C").copy(order="K")

@@ -1,7 +1,7 @@
-"""What may stand in a JSON document of ours: a bounded number of plain values, finite numbers, clean text.
+"""What relforest's JSON documents may contain: a limited number of plain values, finite numbers, clean text.
 
-Everything that relforest stores as JSON passes here, when it is written and when it is read, so that code
-behind it need not expect numbers that overflow or text that cannot be shown.
+Every document is checked here when it is written and when it is read, so that the rest of the code need not
+handle numbers that overflow or text that cannot be displayed.
 """
 
 from __future__ import annotations
@@ -17,31 +17,31 @@ from relforest.support.errors import ModelFormatError
 
 MAX_DEPTH: Final = 64
 MAX_VALUES: Final = 2_000_000
-"""Values of a document; a tree of 1000 questions in 3 dimensions with its sample of points has 1 million."""
+"""A tree of 1000 questions in 3 dimensions, with its sample of points, has about 1 million values."""
 MAX_KEYS: Final = 1_000_000
 MAX_OBJECTS: Final = 250_000
 LARGEST_NUMBER: Final = 1e100
 """Squares of such numbers, and sums of many squares, do not overflow."""
 LONGEST_TEXT: Final = 10_000
 
-# Control characters but for tab and line feed, lone surrogates and what is no character.
+# Control characters except tab and line feed, lone surrogates, and code points that are not characters.
 _UNCLEAN: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 
 
 def check_extent(data: bytes, origin: str) -> None:
-    """Check how much JSON text can hold, before anything is built from it.
+    """Check that JSON text is not too large, before parsing it.
 
     Raises
     ------
     ModelFormatError
-        If it could hold more than `MAX_VALUES` values, `MAX_KEYS` keys or `MAX_OBJECTS` objects.
+        If it may contain more than `MAX_VALUES` values, `MAX_KEYS` keys or `MAX_OBJECTS` objects.
     """
     objects = data.count(b"{")
     values = data.count(b",") + data.count(b"[") + objects
     if values > MAX_VALUES or data.count(b":") > MAX_KEYS or objects > MAX_OBJECTS:
         raise ModelFormatError(
-            f"{origin} is too large: a document may hold {MAX_VALUES} values, {MAX_KEYS} keys and "
-            f"{MAX_OBJECTS} objects"
+            f"{origin} is too large: at most {MAX_VALUES} values, {MAX_KEYS} keys and "
+            f"{MAX_OBJECTS} objects are allowed"
         )
 
 
@@ -51,16 +51,16 @@ def check_values(document: object, origin: str) -> None:
     Parameters
     ----------
     document : object
-        Built of dict, list, tuple, str, int, float, bool and None.
+        Made of dict, list, tuple, str, int, float, bool and None.
     origin : str
-        Where it came from, for messages.
+        Where it came from, for error messages.
 
     Raises
     ------
     ModelFormatError
-        If it is nested more than `MAX_DEPTH` levels deep, or holds anything that is not JSON, a number that
-        is not finite or beyond `LARGEST_NUMBER`, or text that is longer than `LONGEST_TEXT` or holds control
-        characters (tab and line feed may be there) or lone surrogates.
+        If it is nested more than `MAX_DEPTH` levels deep, or contains anything that is not JSON, a number
+        that is not finite or exceeds `LARGEST_NUMBER`, or text that is longer than `LONGEST_TEXT` or contains
+        lone surrogates or control characters other than tab and line feed.
     """
     pending: list[tuple[Any, int]] = [((document,), 0)]
     while pending:
@@ -72,7 +72,7 @@ def check_values(document: object, origin: str) -> None:
             members = members.values()
         for value in members:
             if isinstance(value, (float, int)):
-                # The negated test also catches NaN; None and booleans cost nothing here.
+                # The negated test also catches NaN.
                 if not -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
                     _refuse_number(value, origin)
             elif isinstance(value, str):
@@ -80,24 +80,24 @@ def check_values(document: object, origin: str) -> None:
             elif isinstance(value, (dict, list, tuple)):
                 pending.append((value, depth + 1))
             elif value is not None:
-                raise ModelFormatError(f"{origin} holds a {type(value).__name__}, which is not JSON")
+                raise ModelFormatError(f"{origin} contains a {type(value).__name__}, which is not JSON")
 
 
 def is_clean(text: str) -> bool:
-    """Return whether text can be stored and shown: see `check_values`."""
+    """Return whether text can be stored and displayed; see `check_values`."""
     return len(text) <= LONGEST_TEXT and not _UNCLEAN.search(text)
 
 
 @contextmanager
 def well_formed(complaint: str, remedy: str = "") -> Iterator[None]:
-    """Turn whatever a ``with`` block raises on a document of an unexpected form into a `ModelFormatError`.
+    """Turn the errors that a ``with`` block raises on a malformed document into `ModelFormatError`.
 
     Parameters
     ----------
     complaint : str
-        Names the document, such as ``"model.json is damaged"``.
+        The beginning of the message, such as ``"model.json is damaged"``.
     remedy : str
-        What to do, for the end of the message.
+        What to do; the end of the message.
     """
     end = f"; {remedy}" if remedy else ""
     try:
@@ -111,7 +111,7 @@ def well_formed(complaint: str, remedy: str = "") -> Iterator[None]:
 
 
 def without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Build the dictionary of a JSON object, for ``json.loads``; a repeated key raises `ValueError`."""
+    """Build a dictionary for ``json.loads``, raising `ValueError` if a key is repeated."""
     result = dict(pairs)
     if len(result) < len(pairs):
         (repeated, _), *_ = Counter(key for key, _ in pairs).most_common(1)
@@ -129,17 +129,17 @@ def _check_keys(members: Mapping[Any, object], origin: str) -> None:
 def _check_text(text: str, origin: str) -> None:
     if len(text) > LONGEST_TEXT:
         raise ModelFormatError(
-            f"{origin} holds a text of {len(text)} characters: at most {LONGEST_TEXT} are allowed"
+            f"{origin} contains text of {len(text)} characters: at most {LONGEST_TEXT} are allowed"
         )
     found = _UNCLEAN.search(text)
     if found:
         raise ModelFormatError(
-            f"{origin} holds the character U+{ord(found[0]):04X} in {reprlib.repr(text)}: control characters "
-            "and lone surrogates are not allowed in text"
+            f"{origin} contains the character U+{ord(found[0]):04X} in {reprlib.repr(text)}: control "
+            "characters and lone surrogates are not allowed"
         )
 
 
 def _refuse_number(number: float, origin: str) -> None:
     if isinstance(number, float) and (number != number or number in {float("inf"), float("-inf")}):  # noqa: PLR0124
-        raise ModelFormatError(f"{origin} holds a number that is not finite ({number})")
-    raise ModelFormatError(f"{origin} holds {reprlib.repr(number)}, a number beyond {LARGEST_NUMBER:g}")
+        raise ModelFormatError(f"{origin} contains a number that is not finite ({number})")
+    raise ModelFormatError(f"{origin} contains {reprlib.repr(number)}, which exceeds {LARGEST_NUMBER:g}")

@@ -8,11 +8,11 @@ class RelforestError(Exception):
 
 
 class InputError(RelforestError, ValueError):
-    """Data or an option cannot be used; the message names it and says what to do."""
+    """Data or an option cannot be used; the message names it and the remedy."""
 
 
 class ModelFormatError(RelforestError, ValueError):
-    """A file or document is not a readable model of this library."""
+    """A file or document is not a valid relforest model."""
 
 
 class RunFolderError(RelforestError, RuntimeError):
@@ -20,8 +20,8 @@ class RunFolderError(RelforestError, RuntimeError):
 
 
 class DataError(RelforestError, OSError):
-    """The file of a published data set is missing, cannot be fetched or is not the right one."""
+    """The file of a published data set is missing, cannot be downloaded, or is the wrong file."""
 
 
 class MissingDataError(DataError):
-    """The file of a published data set is in none of the places where it is looked for."""
+    """The file of a published data set was not found in any of the usual places."""

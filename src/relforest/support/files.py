@@ -1,8 +1,8 @@
-"""Every file that relforest writes or reads as its own: atomic writes, versioned JSON and plain arrays.
+"""Reading and writing relforest's own files: atomic writes, versioned JSON and plain arrays.
 
-A file is written under a temporary name in its own folder, flushed to disk and renamed, so a reader or a
-resumed run sees the old content or the new one, never a part. Nothing is pickled; what is read is checked
-before it is used.
+A file is written under a temporary name in its folder, flushed to disk and renamed, so that a reader or a
+resumed run sees either the old content or the new, never a part. Nothing is pickled, and everything read is
+checked before use.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ MAX_DOCUMENT_BYTES: Final = 64 * 2**20
 MAX_INPUT_BYTES: Final = 2**31
 
 _TEMPORARY: Final = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
-# File systems allow names of 255 bytes; a temporary name adds 22 to that of its file.
+# File systems allow names of 255 bytes; a temporary name is 22 bytes longer than the name of its file.
 _LONGEST_STEM: Final = 200
 
 
 def content_digest(paths: Iterable[Path]) -> str:
-    """Return 16 hexadecimal digits that change with the content of any of the files."""
+    """Return 16 hexadecimal digits that change when the content of any file changes."""
     digest = blake2b(digest_size=8)
     for path in paths:
         digest.update(path.read_bytes())
@@ -53,21 +53,21 @@ def content_digest(paths: Iterable[Path]) -> str:
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file so that it appears whole or not at all.
+    """Write a file atomically: it appears whole or not at all.
 
     Parameters
     ----------
     path : path
-        Where to write; missing parent folders are made, an existing file is replaced.
+        Where to write. Missing parent folders are created, an existing file is replaced.
     data : bytes
         The content.
 
     Raises
     ------
     OSError
-        If the file cannot be written; ``filename`` is set, and what was at ``path`` before is still there.
+        If the file cannot be written; ``filename`` is set, and an existing file is left unchanged.
     InputError
-        If ``path`` is empty, cannot be a path, or is a pipe or a device.
+        If ``path`` is empty or not a valid path, or names a pipe or a device.
     """
     with _writing(path):
         target = Path(os.path.realpath(path))
@@ -92,14 +92,14 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def make_folder(path: str | os.PathLike[str]) -> None:
-    """Make a folder and those around it, unless it is there.
+    """Create a folder and its parents where they are missing.
 
     Raises
     ------
     OSError
-        If it cannot be made; ``filename`` says what is in the way.
+        If the folder cannot be created; ``filename`` names the obstacle.
     InputError
-        If ``path`` is empty or cannot be a path.
+        If ``path`` is empty or not a valid path.
     """
     with _writing(path):
         try:
@@ -109,24 +109,24 @@ def make_folder(path: str | os.PathLike[str]) -> None:
 
 
 def is_temporary(path: Path) -> bool:
-    """Whether a name is one that an interrupted `write_bytes` leaves behind."""
+    """Return whether an interrupted `write_bytes` left this file behind, judging by its name."""
     return _TEMPORARY.fullmatch(path.name) is not None
 
 
 def remove_temporary_files(folder: Path) -> None:
-    """Delete what interrupted writes left in a folder, if it exists; whoever calls this holds its lock."""
+    """Delete the leftovers of interrupted writes from a folder, if it exists; the caller holds its lock."""
     for path in folder.iterdir() if folder.is_dir() else ():
         if is_temporary(path) and path.is_file():
             path.unlink()
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file as UTF-8, whole or not at all; see `write_bytes`.
+    """Write a text file as UTF-8, atomically; see `write_bytes`.
 
     Raises
     ------
     InputError
-        If the text holds lone surrogates, which UTF-8 cannot express.
+        If the text contains lone surrogates, which UTF-8 cannot encode.
     """
     try:
         data = text.encode("utf-8")
@@ -136,19 +136,19 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> None:
-    """Write a JSON file, whole or not at all: indented by 1, keys in the order given, newline at the end.
+    """Write a JSON file atomically: indented by 1, keys in the order given, newline at the end.
 
     Parameters
     ----------
     path : path
         Where to write; see `write_bytes`.
     document : mapping
-        Built of dict, list, tuple, str, int, float, bool and None.
+        Made of dict, list, tuple, str, int, float, bool and None.
 
     Raises
     ------
     InputError
-        If the document holds anything that `read_json` would refuse.
+        If `read_json` would reject the document.
     """
     try:
         check_values(document, "the document")
@@ -160,7 +160,7 @@ def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> Non
 def read_json(
     path: str | os.PathLike[str], *, format: str, version: int, max_bytes: int = MAX_DOCUMENT_BYTES
 ) -> dict[str, Any]:
-    """Read a JSON document of this library and check that it is one.
+    """Read one of the library's JSON documents and check it.
 
     Parameters
     ----------
@@ -169,14 +169,14 @@ def read_json(
     format : str
         The required value of the key "format".
     version : int
-        The newest value of the key "version" that the caller understands.
+        The newest value of the key "version" that the caller can read.
     max_bytes : int
-        Larger files are refused unread.
+        Larger files are rejected without being read.
 
     Returns
     -------
     dict
-        The document, "format" and "version" included; only its frame is checked (see `check_document`).
+        The document, including "format" and "version"; see `check_document` for what is checked.
 
     Raises
     ------
@@ -190,18 +190,18 @@ def read_json(
 
 
 def check_document(document: object, *, format: str, version: int, origin: str) -> dict[str, Any]:
-    """Check that a parsed JSON document says that it is what the caller expects.
+    """Check the format, version and values of a parsed JSON document.
 
     Parameters
     ----------
     document : object
-        What a JSON parser returned.
+        The output of a JSON parser.
     format : str
         The required value of the key "format".
     version : int
-        The newest value of the key "version" that the caller understands; older ones, from 1, pass.
+        The newest value of the key "version" that the caller can read; older ones, from 1, are accepted.
     origin : str
-        Where the document came from, for messages.
+        Where the document came from, for error messages.
 
     Returns
     -------
@@ -211,22 +211,22 @@ def check_document(document: object, *, format: str, version: int, origin: str) 
     Raises
     ------
     ModelFormatError
-        If it is not an object with that format and a known version, or holds a value that
-        `relforest.support.documents.check_values` refuses.
+        If it is not an object with that format and a known version, or contains a value that
+        `relforest.support.documents.check_values` rejects.
     """
     if not isinstance(document, dict):
         raise ModelFormatError(
-            f"{origin} is not a {format} document: it holds {type(document).__name__}, not an object"
+            f"{origin} is not a {format} document: expected an object, got {type(document).__name__}"
         )
     check_values(document, origin)
     found = document.get("format")
     if found != format:
-        said = "it names no format" if found is None else f"its format is {reprlib.repr(found)}"
+        said = "the key 'format' is missing" if found is None else f"its format is {reprlib.repr(found)}"
         raise ModelFormatError(f"{origin} is not a {format} document: {said}")
     written = document.get("version")
     if isinstance(written, bool) or not isinstance(written, int) or written < 1:
         raise ModelFormatError(
-            f"{origin} has no valid version: expected an integer from 1 to {version}, "
+            f"{origin} has an invalid version: expected an integer from 1 to {version}, "
             f"got {reprlib.repr(written)}"
         )
     if written > version:
@@ -238,19 +238,19 @@ def check_document(document: object, *, format: str, version: int, origin: str) 
 
 
 def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write named arrays as one ``.npz`` archive, whole or not at all; equal arrays give equal bytes.
+    """Write named arrays as one ``.npz`` archive, atomically; equal arrays give equal bytes.
 
     Parameters
     ----------
     path : path
-        Where to write, used as it is; see `write_bytes`.
+        Where to write; no suffix is added. See `write_bytes`.
     arrays : mapping of str to ndarray
-        Of booleans, integers or floats.
+        Arrays of booleans, integers or floats.
 
     Raises
     ------
     InputError
-        If an array is of another type.
+        If an array has another type.
     """
     write_bytes(path, pack_arrays(arrays, str(path)))
 
@@ -269,11 +269,11 @@ def read_npz(
     path : path
         The archive.
     names : iterable of str
-        The arrays to read; others are left unread.
+        The arrays to read; others are ignored.
     optional : container of str
-        Those of them that are left out if the archive lacks them.
+        Names that may be missing from the archive; they are then missing from the result.
     max_bytes : int
-        Archives that are larger, or would be when unpacked, are refused.
+        Archives larger than this, packed or unpacked, are rejected.
 
     Returns
     -------
@@ -283,15 +283,15 @@ def read_npz(
     Raises
     ------
     ModelFormatError
-        If the file is missing or not such an archive, or an array is missing, damaged or of another type than
-        booleans, integers and floats.
+        If the file is missing or not an archive, or an array is missing, damaged, or not of booleans,
+        integers or floats.
     """
     data = _read_regular_file(path, max_bytes)
     return unpack_arrays(data, names, optional=optional, max_bytes=max_bytes, origin=str(path))
 
 
 def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
-    """Return what a file of the user's holds, in whatever format; see also `unpacked`.
+    """Return the content of a user's file, whatever its format; see also `unpacked`.
 
     Raises
     ------
@@ -310,16 +310,16 @@ def unpacked(data: bytes, origin: str, *, max_bytes: int = MAX_INPUT_BYTES) -> b
     Parameters
     ----------
     data : bytes
-        What the file holds; whether it is compressed is told from this, not from a name.
+        The content of the file, which decides whether it is compressed; its name does not.
     origin : str
-        Where the data came from, for messages.
+        Where the data came from, for error messages.
     max_bytes : int
-        Data that are larger when unpacked are refused.
+        Data that unpack to more than this are rejected.
 
     Raises
     ------
     InputError
-        If unpacking fails or gives too much.
+        If unpacking fails or the result is too large.
     """
     if not data.startswith(b"\x1f\x8b"):
         return data
@@ -334,14 +334,14 @@ def unpacked(data: bytes, origin: str, *, max_bytes: int = MAX_INPUT_BYTES) -> b
 
 
 def append_line(path: str | os.PathLike[str], text: str) -> None:
-    """Append one line to a log; only for files in which a lost last line does no harm.
+    """Append a line to a log; for files where losing the last line does no harm.
 
-    A line that an interrupted process left without its end is ended first.
+    If an interrupted process left an incomplete line, it is terminated first.
 
     Parameters
     ----------
     path : path
-        The log; it and its missing parent folders are made.
+        The log. It is created if it does not exist, as are its parent folders.
     text : str
         The line, without its newline.
 
@@ -350,7 +350,7 @@ def append_line(path: str | os.PathLike[str], text: str) -> None:
     InputError
         If ``text`` is not a single line of text.
     OSError
-        If the line cannot be written; ``filename`` is set, and the log is as it was.
+        If the line cannot be written; ``filename`` is set, and the log is left unchanged.
     """
     if "\n" in text or not is_clean(text):
         raise InputError(f"only single lines of text can be appended to {path}, got {text!r:.200}")
@@ -360,7 +360,7 @@ def append_line(path: str | os.PathLike[str], text: str) -> None:
         file.seek(max(size - 1, 0))
         torn = file.read(1) not in {b"", b"\n"}
         line = (b"\n" if torn else b"") + text.encode("utf-8") + b"\n"
-        # A disk that is almost full takes a part of the line.
+        # A disk that is almost full accepts part of the line.
         if file.write(line) != len(line):
             file.truncate(size)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -368,10 +368,10 @@ def append_line(path: str | os.PathLike[str], text: str) -> None:
 
 @contextmanager
 def _writing(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Name the file in every error of the ``with`` block, which the operating system does for some only."""
+    """Name the file in every error raised in the ``with`` block, where the operating system may not."""
     name = os.fspath(path)
     if not name:
-        raise InputError("the path to write to is empty: name a file or folder")
+        raise InputError("the output path is empty: name a file or folder")
     try:
         yield
     except OSError as error:
@@ -381,12 +381,12 @@ def _writing(path: str | os.PathLike[str]) -> Iterator[None]:
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"{name!r} cannot be a path: {error}") from error
+        raise InputError(f"{name!r} is not a valid path: {error}") from error
 
 
 def _read_regular_file(path: str | os.PathLike[str], max_bytes: int) -> bytes:
     try:
-        # Asked before opening: opening a pipe would wait for a writer.
+        # Checked before opening, because opening a pipe would wait for a writer.
         is_regular = stat.S_ISREG(Path(path).stat().st_mode)
         data = _first_bytes(path, max_bytes + 1) if is_regular else b""
     except (OSError, ValueError) as error:
@@ -417,7 +417,7 @@ def _parse_json(data: bytes, complaint: str) -> object:
 
 
 def _sync_folder(folder: Path) -> None:
-    # Without this a power cut may undo the rename itself. Where a file system refuses, only that is lost.
+    # Without this, a power cut may undo the rename. Not all file systems allow it.
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:

@@ -21,10 +21,10 @@ _LONGEST_PID: Final = 32
 class FolderLock:
     """Hold a folder for this process during a ``with`` block.
 
-    The folder is made if it does not exist. The operating system drops the lock when the process ends,
-    however it ends, so a killed run never blocks its own continuation; the processes that it started, even
-    forked ones, do not hold the lock. The file ``.lock`` stays in the folder; it holds the number of the
-    process while the lock is held and is empty otherwise.
+    The folder is created if it does not exist. The operating system releases the lock when the process ends,
+    however it ends, so a killed run never blocks its own continuation. Child processes, even forked ones, do
+    not hold the lock. The file ``.lock`` stays in the folder; it contains the process id while the lock is
+    held and is empty otherwise.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class FolderLock:
     Raises
     ------
     RunFolderError
-        On entering the block, if a living process holds the folder or it cannot be used as one.
+        On entering the block, if a running process holds the folder or it cannot be used as a folder.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -42,7 +42,7 @@ class FolderLock:
         self._descriptor = -1
 
     def __enter__(self) -> Self:
-        """Take the lock at once or raise."""
+        """Acquire the lock without waiting, or raise."""
         if self._descriptor >= 0:
             raise RunFolderError(f"the lock on {self._folder} is already held by this object")
         descriptor = self._open()
@@ -61,7 +61,7 @@ class FolderLock:
         exception: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Drop the lock."""
+        """Release the lock."""
         descriptor, self._descriptor = self._descriptor, -1
         # A forked process that leaves the block holds nothing.
         if descriptor >= 0:
@@ -70,7 +70,7 @@ class FolderLock:
             os.close(descriptor)
 
     def let_go(self) -> None:
-        """Close the file without a word, in a forked process: the lock stays with the process forked from."""
+        """Close the file in a forked process; its parent keeps the lock."""
         descriptor, self._descriptor = self._descriptor, -1
         os.close(descriptor)
 
@@ -106,7 +106,7 @@ _HELD: Final[WeakSet[FolderLock]] = WeakSet()
 
 
 def _note(descriptor: int, owner: str) -> None:
-    """Write who holds the lock, for messages; a full disk must not keep anyone from holding it."""
+    """Record who holds the lock, for messages; a full disk must not prevent locking."""
     with suppress(OSError):
         os.ftruncate(descriptor, 0)
         os.pwrite(descriptor, owner.encode("ascii"), 0)
@@ -118,5 +118,5 @@ def _let_go_all() -> None:
     _HELD.clear()
 
 
-# A forked process inherits open files, and would keep the lock when the one that holds it is killed.
+# A forked process inherits open files and would keep the lock after its parent is killed.
 os.register_at_fork(after_in_child=_let_go_all)
