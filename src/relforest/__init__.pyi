@@ -17,6 +17,7 @@ from . import (
 from .mil import CovAggClassifier
 from .rl import SMRFRPI
 from .scenes import Attribute, Scenes, Schema
+from .support.progress import Stage, listening
 from .trees import SMRFTreeClassifier, Tree
 from .worlds import ENVIRONMENT_IDS
 
@@ -30,9 +31,11 @@ __all__ = [
     "SMRFTreeClassifier",
     "Scenes",
     "Schema",
+    "Stage",
     "Tree",
     "datasets",
     "experiments",
+    "listening",
     "mappings",
     "metrics",
     "mil",
