@@ -202,7 +202,7 @@ def set_at(*path: str | int, to: object) -> Callable[[Document], object]:
         (set_at("nodes", 0, "child", to=2), "node 0 points to node 2|node 1 has no parent"),
         (set_at("nodes", 1, "child", to=0), "node 1 points to node 0"),
         (set_at("nodes", 2, "yes", to=2), "node 2 points to node 2"),
-        (set_at("nodes", 2, "error", to=7), "node 2 points to node 7: every node needs one parent"),
+        (set_at("nodes", 2, "error", to=7), "node 2 points to node 7: every node must have one parent"),
         (
             set_at("nodes", 2, "variables", to=[0, 2]),
             r"needs 2 different bound variables, got \(0, 2\) with 2",
@@ -213,7 +213,7 @@ def set_at(*path: str | int, to: object) -> Callable[[Document], object]:
         (set_at("nodes", 2, "variables", to="01"), "expected a whole number, got '0'"),
         (set_at("nodes", 2, "operation", to="reframe"), "needs 3 different bound variables"),
         (set_at("nodes", 2, "operation", to="exec"), "unknown operation 'exec'"),
-        (set_at("nodes", 2, "attribute", to="speed"), "no attribute 'speed'"),
+        (set_at("nodes", 2, "attribute", to="speed"), "unknown attribute 'speed'"),
         (set_at("nodes", 2, "attribute", to="orientation"), "not defined for angles"),
         (set_at("nodes", 2, "volume", to=Arc(0.0, 1.0, 1.0).to_dict()), "needs an ellipsoid in 1 dimension"),
         (set_at("nodes", 3, "volume", to=ball([0.0], 1.0).to_dict()), "needs an arc in 1 dimension"),
@@ -258,7 +258,7 @@ def test_a_branch_too_long_is_refused_before_memory_runs_out() -> None:
             | links
         )
     # Not even a tree: its nodes have several parents. That is found at the second question already.
-    with pytest.raises(ModelFormatError, match="every node needs one parent"):
+    with pytest.raises(ModelFormatError, match="every node must have one parent"):
         Tree.from_dict(changed(set_at("nodes", to=nodes)))
     for i in range(1, n):
         nodes[i] |= {"no": 2 * n - i, "error": 3 * n - i}

@@ -80,8 +80,8 @@ LEAVES = (leaf(0.5),) * 3
     ("nodes", "message"),
     [
         ((), "a tree needs at least one node"),
-        ((leaf(0.5), leaf(0.5)), "node 1 has no parent before it: list the nodes depth first"),
-        ((Instantiation(0),), "node 0 points to node 0: every node needs one parent"),
+        ((leaf(0.5), leaf(0.5)), "node 1 has no parent before it: list the nodes in depth-first order"),
+        ((Instantiation(0),), "node 0 points to node 0: every node must have one parent"),
         ((Instantiation(2), leaf(0.5)), "node 0 points to node 2"),
         ((Instantiation(-1), leaf(0.5)), "node 0 points to node -1"),
         # A cycle can only be closed by pointing back.
@@ -133,9 +133,9 @@ def test_a_variable_of_another_branch_is_not_bound() -> None:
         (
             Mapping("identity", Attribute("location", 3)),
             ball([0, 0, 0], 1.0),
-            "the schema has no such attribute",
+            "that attribute is not in the schema",
         ),
-        (Mapping("identity", Attribute("weight")), ball([0.0], 1.0), r"node 1 asks for identity\(weight\)"),
+        (Mapping("identity", Attribute("weight")), ball([0.0], 1.0), r"node 1 asks about identity\(weight\)"),
         (IDENTITY, ball([0.0], 1.0), r"node 1: identity\(location\) needs an ellipsoid in 2 dimension"),
         (IDENTITY, Arc(0.0, 1.0, 1.0), "needs an ellipsoid in 2 dimension"),
     ],

@@ -450,16 +450,16 @@ def test_options_out_of_range_are_refused(option: str, value: float, message: st
 @pytest.mark.parametrize(
     ("points", "starts", "labels", "message"),
     [
-        (np.zeros(3), [0, 3], [True], r"points \(3,\), starts \(2,\) and labels \(1,\) do not fit together"),
-        (np.zeros((3, 0)), [0, 3], [True], "do not fit together"),
-        (np.zeros((3, 1)), [0, 3], [True, False], "do not fit together"),
-        (np.zeros((0, 1)), [0], [], "do not fit together"),
+        (np.zeros(3), [0, 3], [True], r"points \(3,\), starts \(2,\) and labels \(1,\) do not match"),
+        (np.zeros((3, 0)), [0, 3], [True], "do not match"),
+        (np.zeros((3, 1)), [0, 3], [True, False], "do not match"),
+        (np.zeros((0, 1)), [0], [], "do not match"),
         (np.zeros((3, 1)), [0, 2], [True], "starts must rise from 0 to the number of points"),
         (np.zeros((3, 1)), [1, 3], [True], "starts must rise from 0"),
         (np.zeros((3, 1)), [0, 3, 3], [True, False], "no empty bag: drop empty bags first"),
         (np.zeros((3, 1)), [0, 4, 3], [True, False], "starts must rise"),
-        (np.array([[0.0], [np.nan]]), [0, 1, 2], [True, False], "points hold NaN, infinite values"),
-        (np.array([[0.0], [np.inf]]), [0, 1, 2], [True, False], "points hold NaN, infinite values"),
+        (np.array([[0.0], [np.nan]]), [0, 1, 2], [True, False], "points contain NaN, infinite values"),
+        (np.array([[0.0], [np.inf]]), [0, 1, 2], [True, False], "points contain NaN, infinite values"),
         (np.array([[0.0], [-2e30]]), [0, 1, 2], [True, False], r"beyond 1e\+30: drop .*use other units"),
     ],
 )

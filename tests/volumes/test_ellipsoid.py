@@ -159,7 +159,7 @@ def test_a_missing_key_is_named(key: str) -> None:
         ({"mean": [1.0, -1e41]}, "the mean must not exceed"),
         ({"covariance": [[1e81, 0.0], [0.0, 1e81]]}, "nor the covariance"),
         ({"radius": 1e91}, "radius must be a number"),
-        ({"radius": 1e40}, r"it reaches farther than 1e\+40"),
+        ({"radius": 1e40}, r"it extends beyond 1e\+40"),
         ({"n_keys": 10**16}, "n_keys must be a number"),
         ({"prior_weight": 1e16}, "prior_weight must be a number"),
         ({"covariance": [[4.0, 0.0], [0.0, math.inf]]}, "nor the covariance"),

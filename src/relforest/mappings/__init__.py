@@ -2,7 +2,7 @@
 
 A question node of a SMRF tree never looks at objects directly: it maps some of the objects bound
 so far to a vector (or an angle) and asks whether that point lies in a decision volume. Start with
-`catalogue`, which lists every mapping function that a schema makes legal; `Mapping` is one of them.
+`catalogue`, which lists every mapping function that a schema allows; `Mapping` is one of them.
 """
 
 from __future__ import annotations

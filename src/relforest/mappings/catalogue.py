@@ -1,4 +1,4 @@
-"""Which mapping functions a schema makes legal."""
+"""The mapping functions that a schema allows."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 def catalogue(schema: Schema) -> tuple[Mapping, ...]:
-    """Every mapping function of a schema, attribute by attribute.
+    """Return every mapping function of a schema, attribute by attribute.
 
-    An attribute says itself which operations it takes part in (`Attribute.operations`): each
+    Each attribute lists the operations it takes part in (`Attribute.operations`), because every
     additional function costs significance through the correction for multiple comparisons. A schema
     of location (2-D), colour, extent, extent ratio and orientation yields exactly the ten functions
     of section 4.3.

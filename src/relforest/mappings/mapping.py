@@ -34,7 +34,7 @@ class Mapping:
     Raises
     ------
     InputError
-        If the operation is unknown or makes no sense for the attribute.
+        If the operation is unknown or does not apply to the attribute.
 
     References
     ----------
@@ -77,7 +77,7 @@ class Mapping:
 
     @property
     def arity(self) -> int:
-        """How many objects it takes."""
+        """Number of objects that it takes."""
         return self.rule.arity
 
     @property
@@ -93,7 +93,7 @@ class Mapping:
     def evaluate(
         self, schema: Schema, matrix: NDArray[np.float64], rows: NDArray[np.int64]
     ) -> NDArray[np.float64]:
-        """Value for each tuple of objects.
+        """Return the value for each tuple of objects.
 
         Parameters
         ----------
@@ -107,13 +107,13 @@ class Mapping:
         Returns
         -------
         ndarray (n, dim)
-            NaN throughout a row where the value is undefined: an object or its attribute is missing,
-            or a frame's two objects coincide.
+            Rows of NaN where the value is undefined: an object or its attribute is missing, or the two
+            objects of a frame coincide.
 
         Raises
         ------
         InputError
-            If `matrix` or `rows` has another shape, or a row number lies outside the matrix.
+            If `matrix` or `rows` has the wrong shape, or a row number lies outside the matrix.
         """
         if matrix.shape != (len(matrix), schema.width) or rows.shape != (len(rows), self.arity):
             msg = (

@@ -13,16 +13,16 @@ Symmetry = Literal["none", "swap-first-two"]
 @final
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """What is computed from the attribute values of one, two or three objects.
+    """A computation on the attribute values of one, two or three objects.
 
     Parameters
     ----------
     name : str
         Name in schemas, model files and sentences.
     code : int
-        Number by which kernels know the operation.
+        Number that identifies the operation in kernels.
     arity : int
-        How many objects it takes.
+        Number of objects that it takes.
     symmetry : {"none", "swap-first-two"}
         "swap-first-two": exchanging the first two objects moves the points by an isometry of the
         codomain, so a volume learned for one order has a mirror image for the other, and only one
@@ -35,7 +35,7 @@ class Operation:
     symmetry: Symmetry
 
     def argument_orders(self, variables: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
-        """Orders of `variables` (distinct, as many as the arity) that can lead to different volumes."""
+        """Return the orders of `variables` (as many as the arity) that can lead to different volumes."""
         orders = permutations(sorted(variables))
         if self.symmetry == "none":
             return tuple(orders)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class SearchSettings(Protocol):
-    """What the search needs to know of `TreeSettings`."""
+    """The part of `TreeSettings` that the search needs."""
 
     @property
     def attempts(self) -> int:
@@ -43,7 +43,7 @@ class SearchSettings(Protocol):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedQuestion:
-    """An expansion with everything about it that does not depend on labels.
+    """An expansion, with everything about it that is independent of labels.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class PreparedQuestion:
     sequences : Sequences
         All instantiation sequences at the question.
     asked : Sequences
-        The different tuples of objects it is asked about, scene after scene.
+        The distinct tuples of objects that it asks about, scene by scene.
     """
 
     scenes: Scenes
@@ -171,8 +171,8 @@ def prepare(
 ) -> tuple[list[PreparedQuestion], int]:
     """Prepare every expansion of a leaf.
 
-    Returns those that have points, and the number left out because of `max_points` or because a branch may
-    bind no more variables. Expansions whose every point is undefined are dropped: there is nothing to ask.
+    Returns the expansions that have points, and the number left out because of `max_points` or because the
+    branch already binds as many variables as allowed. Expansions without a defined point are dropped.
     """
     prepared: list[PreparedQuestion] = []
     extended = [at_leaf]

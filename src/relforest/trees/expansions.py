@@ -1,4 +1,4 @@
-"""Which questions may be asked at a leaf (Algorithm 4.1, sections 4.2 and 6.2)."""
+"""The questions that may be asked at a leaf (Algorithm 4.1, sections 4.2 and 6.2)."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ class Expansion:
 
 
 def expansions(mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int) -> Iterator[Expansion]:
-    """All expansions of a leaf that can lead to different volumes, those with fewer new variables first.
+    """Yield all expansions of a leaf that can lead to different volumes, fewest new variables first.
 
     A question refers to every new variable that ranges over objects; variables that stand for action
     arguments are exempt, since their objects are already identified (section 6.2). No variable is
-    bound beyond the last one asked about: that would only repeat an expansion with fewer.
+    bound beyond the last one asked about: that would only duplicate an expansion with fewer.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def expansions(mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int) -
     n_bound : int
         Variables already bound at the leaf.
     n_parameters : int
-        How many of the first variables stand for action arguments.
+        Number of variables, from the first, that stand for action arguments.
     """
     largest_arity = max((mapping.arity for mapping in mappings), default=0)
     beyond_arguments = max(n_bound, n_parameters)

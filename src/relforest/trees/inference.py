@@ -1,4 +1,4 @@
-"""Asking a tree about scenes: deciding leaf, densities, witnesses."""
+"""Evaluating a tree on scenes: deciding leaf, densities, witnesses."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Answers:
-    """What a tree says about each of n scenes.
+    """The answers of a tree for n scenes.
 
     Parameters
     ----------
     leaf : int64 ndarray (n,)
-        Ordinal of the deciding leaf, the most probable one that an instantiation sequence reaches.
+        Ordinal of the deciding leaf: the most probable leaf that any instantiation sequence reaches.
     densities : ndarray (n, tree.depth)
         Density, relative to its peak, at each question above that leaf, root first, for the most
         representative sequence; 0 where the answer was Error and beyond the branch.
@@ -46,9 +46,9 @@ class Answers:
 
 
 def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
-    """Ask a tree about every scene of a batch.
+    """Evaluate a tree on every scene of a batch.
 
-    The time grows exponentially with the number of variables; it can be interrupted (Ctrl-C) at any time.
+    Time grows exponentially with the number of variables. The call can be interrupted (Ctrl-C) at any time.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
     scenes : Scenes
         n scenes of the tree's schema.
     n_jobs : int
-        Threads, -1 = one per core; the kernel releases the GIL. The answers do not depend on it.
+        Number of threads, -1 = one per core; the kernel releases the GIL. It does not affect the answers.
 
     Raises
     ------
     InputError
-        If the scenes have another schema, or `n_jobs` is neither -1 nor positive.
+        If the scenes have a different schema, or `n_jobs` is neither -1 nor positive.
     """
     if scenes.schema != tree.schema:
         msg = f"the tree is for scenes with {tree.schema}, these have {scenes.schema}"
@@ -94,6 +94,6 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
             try:
                 list(pool.map(answer, bounds[:-1], bounds[1:]))
             finally:
-                # Leaving the block waits for all threads.
+                # Leaving the ``with`` block waits for all threads.
                 interrupted.set()
     return Answers(*out)

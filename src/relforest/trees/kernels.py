@@ -1,4 +1,4 @@
-"""Compiled answering of trees: one scene at a time, depth first, without allocation."""
+"""Compiled evaluation of trees: one scene at a time, depth first, without allocation."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ _TOTAL: Final = 2
 _POINT: Final = 3
 _TOTALS: Final = 4
 
-# Places in the row `PAUSE`; behind them stands where the search paused.
+# Columns of the row `PAUSE`; the columns after them store the state of a paused search.
 STEPS: Final = 0
 _PAUSED: Final = 1
 _STANDS: Final = 2
 _N_STANDS: Final = 5
 
 MOST_STEPS: Final = 200_000
-"""Nodes visited in one call, some milliseconds: between calls Python can be interrupted."""
+"""Most nodes visited in one call, a few milliseconds: Python can be interrupted between calls."""
 
 UNFINISHED: Final = -1
 
@@ -62,8 +62,8 @@ class QueryWork(NamedTuple):
 
     Results: ``integers[WITNESSES]``, the object rows of the most representative sequence (-1 = none),
     and ``numbers[BEST_PATH]``, the logarithm of its density at each question on its branch, root
-    first (-inf = error, and beyond the branch). ``integers[PAUSE, STEPS]`` is how many nodes may still be
-    visited before the search pauses; the rest of that row, and a row of `numbers`, is where it stands then.
+    first (-inf = error, and beyond the branch). ``integers[PAUSE, STEPS]`` is the number of nodes that may be
+    visited before the search pauses; the rest of that row and the last row of `numbers` store its state.
     """
 
     integers: NDArray[np.int64]  # (6, n_variables)
@@ -71,7 +71,7 @@ class QueryWork(NamedTuple):
 
 
 def query_work(n_variables: int, n_asked: int, n_dims: int) -> QueryWork:
-    """Buffers large enough for trees of these sizes."""
+    """Return buffers large enough for trees of these sizes."""
     work = QueryWork(
         np.full((6, max(n_variables, _STANDS + _N_STANDS)), -1, dtype=np.int64),
         np.zeros((5, max(n_asked, n_variables, n_dims, 2))),
@@ -126,7 +126,7 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     arguments: NDArray[np.int64],
     work: QueryWork,
 ) -> int:
-    """Ordinal of the leaf that decides a scene; see `QueryWork` for what else is found.
+    """Return the ordinal of the leaf that decides a scene; see `QueryWork` for the other results.
 
     Of all instantiation sequences those in the most probable leaf count, and of these the one with the
     largest product of densities (sections 4.1 and 6.4). Branches that cannot reach a leaf as probable as
@@ -134,7 +134,7 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     through all objects not yet in the sequence, or are bound to "no object" once if there is none.
 
     `nodes` and `numbers` hold one or several packed trees, the one to ask at row `root`; `objects` and
-    `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`. When no steps are left,
+    `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`. When no steps remain,
     the search pauses and returns `UNFINISHED`; called again with the same arguments, it continues.
     """
     state, floats = work.integers, work.numbers
@@ -205,7 +205,7 @@ def _pause(
     stands: tuple[int, int, int, int, int],
     totals: tuple[float, float],
 ) -> None:
-    """Note where a search stands for which no steps are left."""
+    """Store the state of a search that has no steps left."""
     state[PAUSE, STEPS], state[PAUSE, _PAUSED] = 0, 1
     for i in range(_N_STANDS):
         state[PAUSE, _STANDS + i] = stands[i]
@@ -216,7 +216,7 @@ def _pause(
 def _resume(
     state: NDArray[np.int64], floats: NDArray[np.float64]
 ) -> tuple[tuple[int, int, int, int, int], tuple[float, float]]:
-    """Return what `_pause` noted."""
+    """Return the state that `_pause` stored."""
     state[PAUSE, _PAUSED] = 0
     at = state[PAUSE, _STANDS:]
     return (at[0], at[1], at[2], at[3], at[4]), (floats[_TOTALS, 0], floats[_TOTALS, 1])
@@ -224,7 +224,7 @@ def _resume(
 
 @inlined
 def _remember(state: NDArray[np.int64], floats: NDArray[np.float64], depth: int, asked: int) -> None:
-    """Keep the present sequence and its densities as the best so far."""
+    """Store the current sequence and its densities as the best so far."""
     for i in range(floats.shape[1]):
         floats[BEST_PATH, i] = floats[_PATH, i] if i < asked else -np.inf
     for i in range(state.shape[1]):
@@ -241,10 +241,10 @@ def query_batch(
     work: QueryWork,
     out: tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]],
 ) -> int:
-    """Query the scenes of a batch from number `first`; the number of the first one without an answer.
+    """Query the scenes of a batch from number `first`; return the number of the first scene left unanswered.
 
-    That is the number of scenes, or less if `MOST_STEPS` were not enough: called again with it as
-    `first`, the search goes on. `scenes` are the arrays (rows, starts, counts, arguments) of `Scenes`;
+    That is the number of scenes, or less if `MOST_STEPS` did not suffice; called again with it as
+    `first`, the search continues. `scenes` are the arrays (rows, starts, counts, arguments) of `Scenes`;
     `out` receives leaf (n,), densities (n, questions on a branch) and witnesses (n, n_variables).
     """
     rows, starts, counts, arguments = scenes

@@ -15,12 +15,12 @@ from relforest.volumes import volume_from_dict
 if TYPE_CHECKING:
     from relforest.scenes import Attribute
 
-# Below this, every integer is a float too.
+# Up to here, every integer is also a float.
 MAX_COUNT: Final = 2**53
 
 
 def node_to_dict(node: Node) -> dict[str, Any]:
-    """Plain dictionary of a node."""
+    """Return a node as a plain dictionary."""
     match node:
         case Leaf():
             return {
@@ -45,9 +45,9 @@ def node_to_dict(node: Node) -> dict[str, Any]:
 
 
 def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribute]) -> Node:
-    """Inverse of `node_to_dict`; anything malformed raises one of the errors `Tree.from_dict` expects.
+    """Read what `node_to_dict` returned; a malformed document raises an error that `Tree.from_dict` handles.
 
-    `attributes` are those of the schema by name.
+    `attributes` are the attributes of the schema, by name.
     """
     kind = document["kind"]
     if kind == "leaf":
@@ -62,7 +62,7 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
     if kind == "question":
         name = document["attribute"]
         if name not in attributes:
-            msg = f"no attribute {reprlib.repr(name)}: the schema has {reprlib.repr(tuple(attributes))}"
+            msg = f"unknown attribute {reprlib.repr(name)}: the schema has {reprlib.repr(tuple(attributes))}"
             raise ModelFormatError(msg)
         mapping = Mapping(document["operation"], attributes[name])
         variables = tuple(_whole(variable) for variable in document["variables"])

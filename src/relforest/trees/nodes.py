@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """Ends a branch with the probability of the target concept.
+    """The end of a branch, with the probability of the target concept.
 
     Parameters
     ----------
     probability : float
-        Probability that a scene whose best instantiation sequence arrives here is positive.
+        Probability that a scene is positive if its best instantiation sequence arrives here.
     negatives, positives : int
-        Training scenes that this leaf won, by label.
+        Training scenes decided by this leaf, by label.
     """
 
     probability: float
@@ -31,7 +31,7 @@ class Leaf:
 @final
 @dataclass(frozen=True, slots=True)
 class Instantiation:
-    """Binds one more object of the scene to the branch's next variable (A, B, C, ...).
+    """Binds another object of the scene to the next variable of the branch (A, B, C, ...).
 
     Parameters
     ----------
@@ -45,16 +45,16 @@ class Instantiation:
 @final
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Asks whether a mapping of bound objects lies in a decision volume.
+    """Asks whether a point computed from bound objects lies in a decision volume.
 
     Parameters
     ----------
     mapping : Mapping
         The mapping function.
     variables : tuple of int
-        Which bound objects it takes: 0 is A, 1 is B, ...
+        The bound objects that the mapping takes: 0 is A, 1 is B, ...
     volume : Volume
-        The decision volume in the mapping's codomain.
+        The decision volume in the codomain of the mapping.
     yes, no, error : int
         Index of the next node if the point lies inside, outside, or is undefined.
     """
@@ -73,7 +73,7 @@ ANSWERS: Final = ("yes", "no", "error")
 
 
 def children(node: Node) -> tuple[int, ...]:
-    """Indices of a node's children, in branch order."""
+    """Return the indices of a node's children, in branch order."""
     match node:
         case Leaf():
             return ()
@@ -84,7 +84,7 @@ def children(node: Node) -> tuple[int, ...]:
 
 
 def shifted(node: Node, after: int, by: int) -> Node:
-    """`node` with every child index beyond `after` raised by `by`."""
+    """Return `node` with every child index beyond `after` increased by `by`."""
 
     def moved(index: int) -> int:
         return index + by if index > after else index
@@ -99,5 +99,5 @@ def shifted(node: Node, after: int, by: int) -> Node:
 
 
 def variable_name(variable: int) -> str:
-    """Letter of a variable: A, B, ..., Z, then V26, V27, ..."""
+    """Return the name of a variable: A, B, ..., Z, then V26, V27, ..."""
     return chr(ord("A") + variable) if variable < 26 else f"V{variable}"

@@ -1,4 +1,4 @@
-"""A tree as two arrays, the form in which kernels read it."""
+"""A tree as two arrays, the form that kernels read."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ N_COLUMNS: Final = 15
 
 
 class PackedTree(NamedTuple):
-    """One row of `nodes` per node, in the tree's order, and the volumes' numbers end to end.
+    """One row of `nodes` per node, in the order of the tree, and the numbers of all volumes end to end.
 
     A volume is stored as squared radius, sharpness of the density, mean (d), precision (d * d).
     """

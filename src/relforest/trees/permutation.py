@@ -1,4 +1,4 @@
-"""A test that keeps its level: the whole search repeated on shuffled labels."""
+"""An exact test: the whole search is repeated on shuffled labels."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class PermutationSettings(SearchSettings, Protocol):
-    """What the test needs to know of `TreeSettings`."""
+    """The part of `TreeSettings` that the test needs."""
 
     @property
     def alpha(self) -> float:
@@ -42,12 +42,12 @@ def permutation_p(
     settings: PermutationSettings,
     rng: np.random.Generator,
 ) -> float:
-    """P-value of the best candidate under shuffled labels.
+    """Return the p-value of the best candidate under shuffled labels.
 
-    Labels are shuffled among scenes that the same leaf decides, so that what the tree already explains
+    Labels are shuffled among scenes decided by the same leaf, so that what the tree already explains
     stays explained. Each shuffle goes through the same search over all expansions; the p-value is the
-    share of shuffles, the observed labels included, whose best candidate is as significant as the
-    observed one. No further correction for multiple comparisons is due. At the root the test is
+    share of shuffles, including the observed labels, with a best candidate as significant as the
+    observed one. No further correction for multiple comparisons is needed. At the root the test is
     exact; deeper down it is conditional on the tree so far.
 
     Shuffling stops as soon as significance is out of reach; the p-value returned is then a lower bound
@@ -72,7 +72,7 @@ def permutation_p(
 def _shuffled(
     labels: NDArray[np.bool_], groups: NDArray[np.int64], rng: np.random.Generator
 ) -> NDArray[np.bool_]:
-    """Labels shuffled within each group."""
+    """Return the labels shuffled within each group."""
     shuffled = labels.copy()
     for group in np.unique(groups):
         members = np.flatnonzero(groups == group)

@@ -51,10 +51,10 @@ def assign(presence: NDArray[np.bool_], labels: NDArray[np.bool_]) -> Assignment
 
     Notes
     -----
-    Two gaps of the source are closed. A leaf assigned later is kept strictly below those assigned
-    before, so that the most probable leaf of a scene is the one that won it in training. A leaf
-    without scenes gets the base rate, after all others, under the same bound: nothing was learned
-    there, and a scene that one day arrives should be treated as average rather than as sure.
+    Two points are left open by the source. A leaf assigned later is kept strictly below those assigned
+    before, so that the most probable leaf of a scene is the leaf that decided it in training. A leaf
+    without scenes gets the base rate, after all others and under the same bound: nothing was learned
+    there, so a scene that arrives later should be treated as average rather than as certain.
 
     References
     ----------
@@ -108,7 +108,7 @@ def _count(
 
 @kernel
 def _most_probable(undecided: NDArray[np.int64], probability: NDArray[np.float64]) -> int:
-    """Unassigned leaf with the largest share of positive undecided scenes; -1 if none has any scene."""
+    """Return the unassigned leaf with the largest share of positive undecided scenes, -1 if none."""
     best, highest = -1, -1.0
     for leaf in range(len(probability)):
         total = undecided[leaf, 0] + undecided[leaf, 1]
@@ -120,10 +120,10 @@ def _most_probable(undecided: NDArray[np.int64], probability: NDArray[np.float64
 def potential(
     presence: NDArray[np.bool_], labels: NDArray[np.bool_], winner: NDArray[np.int64], leaf: int
 ) -> float:
-    """Log likelihood if a question could part the leaf's own positive scenes from all others at it.
+    """Return the log likelihood if a question could separate a leaf's own positive scenes from all others.
 
-    The source asks for "the leaf with best potential to improve L" without a formula. Here the leaf
-    keeps the positive scenes it decides, and every other scene present moves to an imagined leaf.
+    The source asks for "the leaf with best potential to improve L" without giving a formula. Here the leaf
+    keeps the positive scenes it decides, and all other scenes present move to an imaginary leaf.
     """
     own = (winner == leaf) & labels
     imagined = np.vstack([presence, presence[leaf] & ~own])

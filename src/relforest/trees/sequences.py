@@ -1,4 +1,4 @@
-"""Instantiation sequences that have arrived at a leaf, scene after scene."""
+"""Instantiation sequences at a leaf, scene by scene."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Sequences:
     Parameters
     ----------
     scene : int64 ndarray (n,)
-        Which scene each sequence belongs to, ascending.
+        The scene of each sequence, ascending.
     objects : int64 ndarray (n, depth)
-        The bound objects, by their place in the scene; -1 = no object.
+        The bound objects, by position in the scene; -1 = no object.
     """
 
     scene: NDArray[np.int64]
@@ -33,7 +33,7 @@ class Sequences:
 
     @classmethod
     def empty(cls, n_scenes: int) -> Sequences:
-        """One sequence without objects for every scene: what arrives at a root."""
+        """Return one sequence without objects per scene, as at the root."""
         return cls(np.arange(n_scenes), np.empty((n_scenes, 0), dtype=np.int64))
 
     @property
@@ -46,18 +46,18 @@ class Sequences:
         return len(self.scene)
 
     def where(self, kept: NDArray[np.bool_]) -> Sequences:
-        """The sequences for which `kept` (n,) is true."""
+        """Return the sequences for which `kept` (n,) is true."""
         return Sequences(self.scene[kept], self.objects[kept])
 
     def extended(self, counts: NDArray[np.int64], arguments: NDArray[np.int64]) -> Sequences:
-        """Sequences with one more variable bound.
+        """Return the sequences with one more variable bound.
 
         Parameters
         ----------
         counts : int64 ndarray (n_scenes,)
             Objects per scene.
         arguments : int64 ndarray (n_scenes, k)
-            Places of the action arguments in their scenes, -1 = none. The first k variables are bound
+            Positions of the action arguments in their scenes, -1 = none. The first k variables are bound
             to them (section 6.2); later ones to every object not yet in the sequence, or to "no
             object" if there is none.
         """
@@ -68,7 +68,7 @@ class Sequences:
         return Sequences(scene, objects)
 
     def distinct(self, variables: tuple[int, ...]) -> Sequences:
-        """The different tuples of `variables` in each scene, in order of their places."""
+        """Return the distinct tuples of `variables` in each scene, in order of position."""
         chosen = self.objects[:, variables]
         if len(variables) == self.depth:
             return Sequences(self.scene, chosen)
@@ -81,14 +81,14 @@ class Sequences:
 
 
 def argument_places(scenes: Scenes) -> NDArray[np.int64]:
-    """Place of every action argument in its scene, (n_scenes, k); -1 = none."""
+    """Return the position of every action argument in its scene, (n_scenes, k); -1 = none."""
     places = np.full(scenes.arguments.shape, -1, dtype=np.int64)
     _find_places((scenes.rows, scenes.starts, scenes.counts), scenes.arguments, places)
     return places
 
 
 def rows_of(scenes: Scenes, sequences: Sequences) -> NDArray[np.int64]:
-    """Object rows (n, depth) of sequences, -1 = no object."""
+    """Return the object rows (n, depth) of sequences, -1 = no object."""
     places = scenes.starts[sequences.scene][:, None] + sequences.objects
     if len(scenes.rows) == 0:
         return np.full(places.shape, -1, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Whether an expansion improves a tree by more than chance (section 4.2)."""
+"""Testing whether an expansion improves a tree by more than chance (section 4.2)."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def added_parameters(mapping: Mapping, *, has_errors: bool) -> int:
     """Degrees of freedom that a question adds to a tree.
 
     The volume's centre, its shape and size (on the circle just its width), and the probabilities of
-    one or two more leaves. The source names no count; this is the natural one for a codomain of
-    dimension d, and instantiation nodes are free.
+    one or two more leaves. The source gives no count; this is the natural one for a codomain of
+    dimension d, with instantiation nodes free.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Whether a list of nodes is a tree that a schema can answer."""
+"""Checking that a list of nodes is a tree, and fits a schema."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from relforest.scenes import Attribute, Schema
 
-# Far beyond what can be learned, since every question must prove itself on scenes and every variable needs an
-# object. They keep a hostile file from filling memory: what is remembered grows with the length of branches.
+# Far beyond what can be learned, as every question must be significant and every variable needs an object.
+# These limits keep a hostile file from exhausting memory, which grows with the length of branches.
 MAX_ATTRIBUTES: Final = 1000
 MAX_WIDTH: Final = 100_000
 MAX_NODES: Final = 100_000
@@ -23,12 +23,12 @@ MAX_ABOVE: Final = 5_000_000
 
 
 def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int], list[tuple[int, ...]]]:
-    """Check the nodes of a tree and return what stands above each of them.
+    """Check the nodes of a tree and return what lies above each of them.
 
     Returns
     -------
     (list of int, list of tuple of int)
-        For each node the number of variables bound, and the indices of the questions above, root first.
+        For each node, the number of variables bound and the indices of the questions above it, root first.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
     bound[0], n_above = 0, 0
     for i, node in enumerate(nodes):
         if bound[i] < 0:
-            msg = f"node {i} has no parent before it: list the nodes depth first"
+            msg = f"node {i} has no parent before it: list the nodes in depth-first order"
             raise InputError(msg)
         if isinstance(node, Question):
             _check_question(known, i, node, bound[i])
@@ -56,7 +56,7 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
             raise InputError(msg)
         for child in children(node):
             if not i < child < len(nodes) or bound[child] >= 0:
-                msg = f"node {i} points to node {child}: every node needs one parent, before it in the list"
+                msg = f"node {i} points to node {child}: every node must have one parent, earlier in the list"
                 raise InputError(msg)
             bound[child] = bound[i] + isinstance(node, Instantiation)
             if bound[child] > MAX_VARIABLES:
@@ -100,7 +100,7 @@ def _check_most(what: str, count: int, most: int) -> None:
 def _check_question(known: frozenset[Attribute], index: int, node: Question, n_bound: int) -> None:
     mapping = node.mapping
     if mapping.attribute not in known:
-        msg = f"node {index} asks for {mapping.name}, but the schema has no such attribute"
+        msg = f"node {index} asks about {mapping.name}, but that attribute is not in the schema"
         raise InputError(msg)
     used = node.variables
     if len(used) != mapping.arity or len(set(used)) != len(used) or not all(0 <= v < n_bound for v in used):

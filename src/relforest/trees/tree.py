@@ -33,15 +33,16 @@ class Tree:
     Parameters
     ----------
     schema : Schema
-        Attributes and action arguments of the scenes it is for. The first ``schema.n_parameters``
+        Attributes and action arguments of the scenes. The first ``schema.n_parameters``
         variables of every branch are bound to the arguments.
     nodes : tuple of Node
-        In depth-first order (Yes, No, Error); node 0 is the root, and a child stands behind its parent.
+        In depth-first order (Yes, No, Error); node 0 is the root, and a child comes after its parent.
 
     Raises
     ------
     InputError
-        If the nodes do not form a tree in that order, or a question uses a variable that is not bound.
+        If the nodes do not form a tree in that order, the tree is too large, or a question uses an unbound
+        variable.
 
     References
     ----------
@@ -51,9 +52,9 @@ class Tree:
     schema: Schema
     nodes: tuple[Node, ...]
     leaves: tuple[int, ...] = field(init=False)
-    """Node index of each leaf, in depth-first order. A leaf's place here is its ordinal."""
+    """Node index of each leaf, in depth-first order. The position of a leaf in this tuple is its ordinal."""
     questions_above: tuple[tuple[int, ...], ...] = field(init=False)
-    """For each leaf the node indices of the questions above it, root first."""
+    """For each leaf, the node indices of the questions above it, root first."""
     n_bound: tuple[int, ...] = field(init=False)
     """Number of variables bound at each node."""
     packed: PackedTree = field(init=False)
@@ -69,12 +70,12 @@ class Tree:
 
     @classmethod
     def stub(cls, schema: Schema, leaf: Leaf) -> Tree:
-        """Tree of a single leaf."""
+        """Return a tree of a single leaf."""
         return cls(schema, (leaf,))
 
     @property
     def n_variables(self) -> int:
-        """Largest number of variables that a branch binds."""
+        """Largest number of variables bound on a branch."""
         return max(self.n_bound)
 
     @property
@@ -84,7 +85,7 @@ class Tree:
 
     @property
     def is_stub(self) -> bool:
-        """Whether there is only a leaf, so that no distinction is made."""
+        """Whether the tree is a single leaf, which makes no distinction."""
         return self.n_leaves == 1
 
     @property
@@ -98,14 +99,14 @@ class Tree:
         return np.array([node.probability for node in self.nodes if isinstance(node, Leaf)])
 
     def with_leaves(self, leaves: Sequence[Leaf]) -> Tree:
-        """Same tree with other leaves, given in leaf order."""
+        """Return the same tree with other leaves, given in leaf order."""
         nodes = list(self.nodes)
         for index, leaf in zip(self.leaves, leaves, strict=True):
             nodes[index] = leaf
         return Tree(self.schema, tuple(nodes))
 
     def expanded(self, leaf: int, n_new: int, question: Question) -> Tree:
-        """Tree with a leaf replaced by instantiations and a question with three leaves below.
+        """Return the tree with a leaf replaced by instantiations and a question with three leaves.
 
         Parameters
         ----------
@@ -127,11 +128,11 @@ class Tree:
         return Tree(self.schema, (*nodes[:at], *subtree, *nodes[at + 1 :]))
 
     def __str__(self) -> str:
-        """The tree in words."""
+        """Return the tree in words."""
         return describe(self.schema, self.nodes)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON form, with format name and version."""
+        """Return the JSON form, with format name and version."""
         return {
             "format": FORMAT,
             "version": VERSION,
@@ -141,12 +142,12 @@ class Tree:
 
     @classmethod
     def from_dict(cls, document: object) -> Tree:
-        """Inverse of `to_dict`.
+        """Read what `to_dict` returned.
 
         Raises
         ------
         ModelFormatError
-            If the document is not a well-formed tree of a version this library knows.
+            If the document is malformed, too large, or of a version that this library cannot read.
         """
         checked = check_document(document, format=FORMAT, version=VERSION, origin="tree")
         with well_formed("malformed tree"):

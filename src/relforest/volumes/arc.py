@@ -15,7 +15,7 @@ from relforest.support.options import in_range
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-# Bounds of what is read; what is learned lies within a turn, and its kappa below 1e9.
+# Bounds for files. Learned arcs lie within one turn, with kappa below 1e9.
 LARGEST_ANGLE: Final = 1e6
 LARGEST_KAPPA: Final = 1e12
 
@@ -30,10 +30,9 @@ class Arc:
     mean : float
         Mean direction of the key angles, radians.
     radius : float
-        Largest angular distance that still counts as inside, radians.
+        Largest angular distance inside the arc, radians.
     kappa : float
-        Concentration of the von Mises density. It falls with angular distance whatever its value, so
-        it shapes the density features only, never the decision.
+        Concentration of the von Mises density. It affects only the density features, never the decision.
 
     References
     ----------
@@ -51,7 +50,7 @@ class Arc:
         return 1
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Angular distance (radians) of each angle, (n,) or (n, 1), from the mean; (n,)."""
+        """Return the angular distance (radians) of each angle, (n,) or (n, 1), from the mean; (n,)."""
         angles = np.atleast_1d(np.asarray(points, dtype=np.float64))
         if angles.shape[1:] not in {(), (1,)}:
             msg = f"angles must have the shape (n,) or (n, 1), got {angles.shape}"
@@ -61,26 +60,26 @@ class Arc:
         return distance
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Which angles lie inside, the ends included; (n,)."""
+        """Return which angles lie inside, including the ends; (n,)."""
         return self.distance(points) <= self.radius
 
     def density(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Von Mises density relative to its peak for each angle; (n,) in [0, 1]."""
+        """Return the von Mises density of each angle relative to the peak; (n,) in [0, 1]."""
         density: NDArray[np.float64] = np.exp(self.kappa * (np.cos(self.distance(points)) - 1.0))
         return density
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON form."""
+        """Return the JSON form."""
         return {"shape": "arc", "mean": self.mean, "radius": self.radius, "kappa": self.kappa}
 
     @classmethod
     def from_dict(cls, document: dict[str, Any]) -> Arc:
-        """Inverse of `to_dict`.
+        """Read what `to_dict` returned.
 
         Raises
         ------
         ModelFormatError
-            If a value is missing or beyond the bounds of this module.
+            If a value is missing or out of bounds.
         """
         with well_formed("malformed arc"):
             mean = in_range("mean", document["mean"], -LARGEST_ANGLE, LARGEST_ANGLE)

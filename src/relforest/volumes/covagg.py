@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from relforest.volumes.volume import Volume
 
 
-# No product of the search overflows or vanishes with points inside this bound.
+# Within this bound no product in the search overflows or vanishes.
 _LARGEST_VALUE: Final = 1e30
 _DEFAULT: Final = CovAggSettings()
 
@@ -34,16 +34,16 @@ _DEFAULT: Final = CovAggSettings()
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Aggregation:
-    """What covariant aggregation found.
+    """The result of covariant aggregation.
 
     Parameters
     ----------
     volume : Ellipsoid or Arc
-        The best decision volume of all steps and restarts.
+        The best decision volume over all steps and restarts.
     score : float
         Its objective on the training bags: the number of correctly labelled bags, or log L.
     n_models : int
-        How many volumes were tried.
+        Number of volumes tried.
     """
 
     volume: Volume
@@ -72,20 +72,20 @@ def aggregate(
     labels : bool ndarray (n_bags,)
         True for positive bags.
     rng : Generator
-        Source of the sampled bags.
+        Random source for sampling bags.
     space, objective, settings
-        Where the points live, what a volume is scored by, and the parameters.
+        The space of the points, the objective that scores a volume, and the parameters.
 
     Returns
     -------
     Aggregation or None
-        None if no volume separates anything: there is no positive bag, or, for the log-likelihood,
-        no volume whose Yes leaf would be more probable than its No leaf.
+        None if no volume separates anything: without positive bags, or, for the log-likelihood, if no
+        volume makes its Yes leaf more probable than its No leaf.
 
     Raises
     ------
     InputError
-        If the shapes do not fit together, a bag is empty, a value is not finite or beyond 1e30, or
+        If the shapes do not match, a bag is empty, a value is not finite or beyond 1e30, or
         `space` or `objective` is unknown.
 
     Notes
@@ -138,7 +138,7 @@ def _check(
 ) -> None:
     if points.ndim != 2 or points.shape[1] == 0 or len(starts) != len(labels) + 1 or len(labels) == 0:
         msg = (
-            f"points {points.shape}, starts {starts.shape} and labels {labels.shape} do not fit together: "
+            f"points {points.shape}, starts {starts.shape} and labels {labels.shape} do not match: "
             "pass (n_points, d), (n_bags + 1,) and (n_bags,)"
         )
         raise InputError(msg)
@@ -151,7 +151,7 @@ def _check(
     # The negated test also catches NaN.
     if not (np.abs(points) <= _LARGEST_VALUE).all():
         msg = (
-            f"points hold NaN, infinite values or values beyond {_LARGEST_VALUE:g}: "
+            f"points contain NaN, infinite values or values beyond {_LARGEST_VALUE:g}: "
             "drop those instances first, or use other units"
         )
         raise InputError(msg)

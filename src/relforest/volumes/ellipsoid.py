@@ -17,8 +17,8 @@ from relforest.support.options import at_least, in_range
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-# Bounds of what is read. Covariant aggregation takes points up to 1e30 and conditions its matrices, so that
-# whatever it learns lies well inside; within them nothing overflows when an ellipsoid is used or drawn.
+# Bounds for files. Covariant aggregation accepts points up to 1e30 and conditions its matrices, so whatever
+# it learns lies well within these bounds, and nothing overflows when an ellipsoid is evaluated or drawn.
 LARGEST_VALUE: Final = 1e40
 LARGEST_SCATTER: Final = 1e80
 SMALLEST_SCATTER: Final = 1e-100
@@ -34,14 +34,14 @@ class Ellipsoid:
     Parameters
     ----------
     mean : ndarray (d,)
-        Centre: the mean of the key points.
+        The centre: the mean of the key points.
     covariance : ndarray (d, d)
-        V of eq. 3.6. It is an unnormalised scatter, so only its shape and orientation carry meaning;
-        the size of the volume is in `radius`, which refers to this matrix.
+        V of eq. 3.6. It is an unnormalised scatter matrix, so only its shape and orientation are
+        meaningful; the size of the volume is given by `radius`, relative to this matrix.
     radius : float
         Largest Mahalanobis distance that still counts as inside (eq. 3.3).
     n_keys : int
-        How many key points the mean and the covariance were estimated from.
+        Number of key points from which the mean and the covariance were estimated.
     prior_weight : float
         w of eq. 3.5.
 
@@ -85,29 +85,29 @@ class Ellipsoid:
         return axes
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Mahalanobis distance of each point (n, d) from the mean (eq. 3.2); (n,)."""
+        """Return the Mahalanobis distance of each point (n, d) from the mean (eq. 3.2); (n,)."""
         rows = np.atleast_2d(np.asarray(points, dtype=np.float64))
         if rows.shape[1:] != (self.dim,):
             msg = f"points must have the shape (n, {self.dim}), got {rows.shape}"
             raise InputError(msg)
         offsets = rows - self.mean
-        # A third of the time that the inverse takes, or less, where there are many dimensions.
+        # At most a third of the time of the inverse in many dimensions.
         factor = np.linalg.cholesky(self.covariance)
         whitened = solve_triangular(factor, offsets.T, lower=True, check_finite=False)
         distance: NDArray[np.float64] = np.linalg.norm(whitened, axis=0)
         return distance
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Which points (n, d) lie inside, the boundary included (eq. 3.3); (n,)."""
+        """Return which points (n, d) lie inside, including the boundary (eq. 3.3); (n,)."""
         return self.distance(points) <= self.radius
 
     def density(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Gaussian density relative to its peak for each point (n, d); (n,) in [0, 1]."""
+        """Return the Gaussian density of each point (n, d) relative to the peak; (n,) in [0, 1]."""
         density: NDArray[np.float64] = np.exp(-0.5 * self.density_sharpness * self.distance(points) ** 2)
         return density
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON form."""
+        """Return the JSON form."""
         return {
             "shape": "ellipsoid",
             "mean": self.mean.tolist(),
@@ -119,12 +119,12 @@ class Ellipsoid:
 
     @classmethod
     def from_dict(cls, document: dict[str, Any]) -> Ellipsoid:
-        """Inverse of `to_dict`.
+        """Read what `to_dict` returned.
 
         Raises
         ------
         ModelFormatError
-            If a value is missing, beyond the bounds of this module, of the wrong shape, or not a covariance.
+            If a value is missing, out of bounds or of the wrong shape, or the covariance is not valid.
         """
         with well_formed("malformed ellipsoid"):
             mean, covariance = (_numbers(document[key]) for key in ("mean", "covariance"))
@@ -146,12 +146,12 @@ class Ellipsoid:
             msg = "malformed ellipsoid: the covariance is not symmetric"
             raise ModelFormatError(msg)
         eigenvalues = np.linalg.eigvalsh(covariance)
-        # Below these bounds distances overflow, or the inverse has no correct digit.
+        # Below these bounds, distances overflow or the inverse loses all precision.
         if not eigenvalues[0] > max(SMALLEST_SCATTER, 1e-15 * eigenvalues[-1]):
             msg = "malformed ellipsoid: the covariance is not positive definite"
             raise ModelFormatError(msg)
         if not radius * math.sqrt(eigenvalues[-1]) <= LARGEST_VALUE:
-            msg = f"malformed ellipsoid: it reaches farther than {LARGEST_VALUE:g}"
+            msg = f"malformed ellipsoid: it extends beyond {LARGEST_VALUE:g}"
             raise ModelFormatError(msg)
         return cls(mean, covariance, radius, n_keys, prior_weight)
 

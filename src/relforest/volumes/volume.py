@@ -1,4 +1,4 @@
-"""What every decision volume can do."""
+"""Decision volumes of any shape."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Volume = Ellipsoid | Arc
 
 
 def volume_from_dict(document: object) -> Volume:
-    """Volume from its JSON form.
+    """Read a volume from its JSON form.
 
     Raises
     ------
     ModelFormatError
-        If the document is no volume.
+        If the document is not a valid volume.
     """
     if not isinstance(document, dict):
         msg = f"malformed volume: expected an object, got {type(document).__name__}"
