@@ -77,7 +77,7 @@ def test_a_bare_tree_needs_a_file_of_scenes(run: CommandLine, table: Path, tmp_p
     outcome = run("predict", tmp_path / "tree.json", table)
 
     assert outcome.code == 1
-    assert "passes.parquet was not written by Scenes.to_parquet: the model does not tell" in outcome.err
+    assert "passes.parquet was not written by Scenes.to_parquet: the model does not name" in outcome.err
 
 
 @pytest.mark.parametrize(
