@@ -4,10 +4,11 @@ from dataclasses import fields
 
 import pytest
 
+from relforest.cli.early_checks import UsageError
 from relforest.cli.learner_options import RPIOptions, SarsaOptions, given
 from relforest.rl.peers.settings import SarsaSettings
 from relforest.rl.settings import LSPISettings, RPISettings
-from relforest.support.errors import InputError
+from relforest.support.errors import RelforestError
 from relforest.trees.settings import TreeSettings
 
 
@@ -70,10 +71,10 @@ def test_every_option_of_sarsa_changes_its_setting() -> None:
     ],
 )
 def test_errors_name_the_option_as_it_is_written(options: RPIOptions, complaint: str) -> None:
-    with pytest.raises(InputError, match=complaint):
+    with pytest.raises(RelforestError, match=complaint):
         options.settings(RPISettings())
 
 
 def test_errors_about_sarsa_name_the_option_as_it_is_written() -> None:
-    with pytest.raises(InputError, match=r"^--sarsa-lambda must be a number of at least 0 and of at most 1"):
+    with pytest.raises(UsageError, match=r"^--sarsa-lambda must be a number of at least 0 and of at most 1"):
         SarsaOptions(sarsa_lambda=7.0).settings()

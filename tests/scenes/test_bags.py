@@ -166,7 +166,7 @@ def test_cells_that_are_not_bags_are_refused(contents: list[Any], message: str) 
 def test_masked_cells_and_masked_ids_are_refused() -> None:
     with pytest.raises(InputError, match="the array of bags has masked values"):
         as_bags(np.ma.masked_array(cells(TWO_BAGS), [False, True]))
-    with pytest.raises(InputError, match="bag_ids has masked values"):
+    with pytest.raises(InputError, match="bag_ids must not be a masked array"):
         as_bags((POINTS, np.ma.masked_equal([1, 1, 2], 2)))
 
 

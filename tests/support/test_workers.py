@@ -113,7 +113,8 @@ def test_results_are_in_order_and_reports_arrive() -> None:
     assert [number for number, _ in results] == [0, 1, 2, 3, 4]
     assert os.getpid() not in {process for _, process in results}
     assert Stage("starting processes", within=("a study",)) in stages
-    assert Stage("counting", 0, 9, ("a study",)) in stages or Stage("counting", 1, 9, ("a study",)) in stages
+    # Which of the reports arrive depends on how fast they are read.
+    assert any(stage.name == "counting" and stage.within == ("a study",) for stage in stages)
 
 
 def test_an_error_ends_the_other_tasks_and_keeps_its_traceback() -> None:

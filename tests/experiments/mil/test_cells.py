@@ -65,6 +65,7 @@ def test_what_was_done_has_a_score_and_a_time(column: str) -> None:
 
     assert Results.of(Table.of([first, second])).by_cell["musk1", "dd"].scores == (0.2, 0.0)
     with pytest.raises(
-        RunFolderError, match=rf"musk1, dd, fold 1 has no {column}, .* delete cells/musk1/dd\.json"
+        RunFolderError,
+        match=rf"musk1, dd, fold 1 is done, but its {column} is missing: .*cells/musk1/dd\.json",
     ):
         Results.of(Table.of([first, {**second, column: None}]))

@@ -208,7 +208,6 @@ def _play_lane(
     durations, ends = np.empty(episodes, dtype=np.int64), np.empty(episodes, dtype=np.int64)
     events = np.empty((episodes, N_EVENTS), dtype=np.int64)
     for episode in range(episodes):
-        report("episodes of a lane", episode, episodes)
         if episode > 0:
             place(games, 0, setup)
         forget_events(tally)
