@@ -62,7 +62,7 @@ def test_differences_name_nested_entries() -> None:
     ]
     check_configuration(there, there, HERE)
     with pytest.raises(
-        RunFolderError, match=r"runs/one holds a run of another configuration: settings\.alpha"
+        RunFolderError, match=r"runs/one contains a run with a different configuration: settings\.alpha"
     ):
         check_configuration(there, here, HERE)
 

@@ -76,7 +76,7 @@ def test_joining_needs_batches_of_one_world() -> None:
         ({"states": np.array([0, 1, 5])}, "states must be numbers from 0 to 4"),
         ({"next_states": np.array([0, -1, 2])}, "next_states must be numbers"),
         ({"actions": np.array([1, 4, 10])}, "actions must be numbers from 0 to 9"),
-        ({"actions": np.array([4, 4, 6])}, "candidate of the transition's own state"),
+        ({"actions": np.array([4, 4, 6])}, "candidates of the state of the transition"),
         ({"objects": np.array([0, 2, 1, 3, 4, 5])}, "objects must be offsets"),
         ({"objects": np.array([0, 2**62, 2**63 - 1, -2, 4, 5])}, "objects must be offsets"),
         ({"candidates": np.array([0, 3, 5, 6, 8, 9])}, "candidates must be offsets that rise from 0 to 10"),
@@ -87,7 +87,7 @@ def test_joining_needs_batches_of_one_world() -> None:
         ({"types": np.zeros(9, dtype=np.int64)}, "must be offsets"),
         ({"arguments": np.full((10, 1), 3)}, "positions of objects in their state"),
         ({"matrix": np.full((5, 1), np.inf)}, "infinite"),
-        ({"matrix": np.full((5, 1), -1e101)}, r"beyond 1e\+100"),
+        ({"matrix": np.full((5, 1), -1e101)}, r"exceeds 1e\+100"),
         ({"rewards": np.array([0.0, 1e101, 0.0])}, r"rewards must be finite, from -1e\+100 to 1e\+100"),
         ({"durations": np.array([1.0, -1.0, 0.0])}, r"durations must be finite, from 0 to 1e\+100"),
         ({"matrix": np.zeros(5)}, "matrix must be a 2-dimensional array of float64"),
@@ -102,10 +102,10 @@ def test_columns_that_do_not_fit_are_refused(columns: dict[str, Any], message: s
 
 def test_a_damaged_file_is_no_experience() -> None:
     arrays = two_episodes().arrays()
-    with pytest.raises(ModelFormatError, match=r"batch\.npz is no valid batch .* rewards must be finite"):
+    with pytest.raises(ModelFormatError, match=r"batch\.npz is not a valid batch .* rewards must be finite"):
         Experience.from_arrays(arrays | {"rewards": np.full(3, np.nan)}, origin="batch.npz")
     with pytest.raises(ModelFormatError, match="objects must be a 1-dimensional array"):
         Experience.from_arrays(arrays | {"objects": np.array(5)}, origin="batch.npz")
     del arrays["rewards"]
-    with pytest.raises(ModelFormatError, match="lacks rewards"):
+    with pytest.raises(ModelFormatError, match="rewards missing"):
         Experience.from_arrays(arrays, origin="batch.npz")

@@ -71,7 +71,7 @@ def test_the_policy_is_readable(folder: Path) -> None:
 
 def test_an_interruption_between_the_two_files_is_noticed(folder: Path) -> None:
     edit(folder, iteration=1)
-    with pytest.raises(ModelFormatError, match=r"different iterations.*start the run again"):
+    with pytest.raises(ModelFormatError, match=r"different iterations.*continue the run"):
         read_policy(folder)
     check_policy(folder)
 
@@ -92,7 +92,7 @@ def test_missing_and_damaged_files_are_named(folder: Path, name: str, content: b
 def test_trees_that_are_none_are_named(folder: Path) -> None:
     path = folder / "trees" / "0002-pick-1.json"
     path.write_text(json.dumps(json.loads(path.read_text("utf-8")) | {"nodes": []}), "utf-8")
-    with pytest.raises(ModelFormatError, match=r"0002-pick-1\.json is no valid tree"):
+    with pytest.raises(ModelFormatError, match=r"0002-pick-1\.json is not a valid tree"):
         read_policy(folder)
 
 

@@ -176,7 +176,7 @@ def test_saving_needs_something_learned_and_a_folder_of_its_own(learned: SMRFRPI
         agent().save(tmp_path)
     learned.save(tmp_path)
     with pytest.raises(
-        RunFolderError, match=r"another configuration: random_state\.entropy \(0 there, 1 here\)"
+        RunFolderError, match=r"a different configuration: random_state\.entropy \(0 there, 1 here\)"
     ):
         agent(random_state=1).learn(1, 6).save(tmp_path)
     with FolderLock(tmp_path), pytest.raises(RunFolderError, match="in use"):

@@ -1,4 +1,4 @@
-"""From experience to scenes: what a tree sees of an action."""
+"""From experience to scenes: the objects that a tree sees for an action."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from relforest.smdp import UNBOUND
 def action_scenes(experience: Experience, candidates: IntArray, schema: Schema) -> Scenes:
     """Return one scene per candidate action: the objects it sees, the action's arguments bound first.
 
-    An action sees the objects of its state, but of the private ones only those that it binds, which come
-    last.
+    An action sees the shared objects of its state, followed by the private objects that it binds.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from relforest.scenes.arrays import FloatArray, IntArray
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Lookahead:
-    """What an action-value function says about a set of transitions.
+    """The predictions of an action-value function for a set of transitions.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Lookahead:
         Q(s, a) of the observed pairs.
     chosen : (n,) int64
         The greedy action in s': its position among all candidates of the transitions, -1 where nothing
-        follows. The first of equal values wins.
+        follows. Of equal values, the first wins.
     errors : (n,) float64
         The Bellman errors ``r + discount * max Q(s', a') - Q(s, a)``.
     """
@@ -72,7 +72,7 @@ def look_ahead(
 
 
 def error_labels(errors: FloatArray, types: IntArray) -> BoolArray:
-    """Label each transition by whether its error lies above the mean error of its action type.
+    """Label each transition True if its error exceeds the mean error of its action type.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def error_labels(errors: FloatArray, types: IntArray) -> BoolArray:
     Returns
     -------
     (n,) bool
-        Where all errors of a type are equal, none lies above the mean.
+        All False for a type whose errors are equal.
 
     References
     ----------

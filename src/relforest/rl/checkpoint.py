@@ -1,9 +1,9 @@
-"""A run folder: everything an interrupted run needs to go on as if nothing had happened.
+"""A run folder: everything an interrupted run needs to continue as if nothing had happened.
 
-``experience/`` and ``trees/`` are written first, then ``checkpoint.json``, which is the moment an iteration
-counts. ``metrics.jsonl``, ``policy.json`` and ``weights.npz`` are derived from the checkpoint and restored
-from it where an interruption left an older version. No state of a random generator is stored: every stream of
-a run is named by the iteration and its purpose.
+``experience/`` and ``trees/`` are written first, then ``checkpoint.json``, which commits the iteration.
+``metrics.jsonl``, ``policy.json`` and ``weights.npz`` are derived from the checkpoint, and restored from it
+if an interruption left an older version. The state of random generators is not stored: every stream of a run
+is named by its iteration and purpose.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ METRICS: Final = "metrics.jsonl"
 TIMINGS: Final = "timings.jsonl"
 EXPERIENCE: Final = "experience"
 
-# What may stand in a folder before the first checkpoint: a lock, what a caller noted about the run, a log.
+# Files allowed in a folder before the first checkpoint: a lock, the configuration of the caller, a log.
 _BESIDE_CHECKPOINT: Final = (".lock", "run.json", TIMINGS)
 _TREE_FILE: Final = re.compile(r"\d{4}-.+-\d+\.json")
 _EXPERIENCE_FILE: Final = re.compile(r"iteration-\d{4}\.npz")
@@ -66,15 +66,15 @@ Row = dict[str, Any]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Progress:
-    """What a run has learned so far.
+    """The progress of a run.
 
     Parameters
     ----------
     value : ValueFunction
     tree_names : tuple of tuple of str
-        The file name of each tree of `value`.
+        The file names of the trees of `value`.
     metrics : tuple of dict
-        One row per iteration, row 0 = before learning; keys `METRIC_NAMES`.
+        One row per iteration, row 0 = before learning; the keys are `METRIC_NAMES`.
     batches : tuple of Experience
         Training experience, one batch per iteration.
     """
@@ -86,7 +86,7 @@ class Progress:
 
     @property
     def iteration(self) -> int:
-        """Number of the last iteration, -1 before anything was measured."""
+        """Number of the last iteration; -1 before the first measurement."""
         return len(self.metrics) - 1
 
 
@@ -95,7 +95,7 @@ class RunFolder:
     """The folder of one run.
 
     ========================= ==========================================================================
-    ``checkpoint.json``       configuration, metrics, weights, names of the trees: what counts
+    ``checkpoint.json``       configuration, metrics, weights, names of the trees (authoritative)
     ``experience/``           ``iteration-0001.npz``, ...: training experience
     ``trees/``                ``0001-left-1.json``, ...: the accepted trees
     ``metrics.jsonl``         a line per iteration, for reading (derived)
@@ -107,7 +107,7 @@ class RunFolder:
     Parameters
     ----------
     path : path
-        The folder; it is made when something is written.
+        The folder; it is created when something is written.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -120,36 +120,36 @@ class RunFolder:
 
     @property
     def holds_run(self) -> bool:
-        """Whether there is a checkpoint.
+        """Whether the folder contains a checkpoint.
 
         Raises
         ------
         RunFolderError
-            If there is none, but other files of a run are, or files that belong to no run.
+            If the checkpoint is missing but other files of a run, or unrelated files, are present.
         """
         if (self._path / CHECKPOINT).exists():
             return True
         for name in (METRICS, POLICY, WEIGHTS):
             if (self._path / name).exists():
                 raise RunFolderError(
-                    f"{self._path} holds {name} but no {CHECKPOINT}, so the run cannot be continued; "
-                    "restore that file or choose another folder"
+                    f"{CHECKPOINT} is missing from {self._path}, which contains {name}, so the run cannot be "
+                    "continued; restore that file or choose another folder"
                 )
         for path in self._entries():
             if not self._is_ours(path):
                 raise RunFolderError(
-                    f"{self._path} holds {path.relative_to(self._path)}, which is no part of a run; "
+                    f"{self._path} contains {path.relative_to(self._path)}, which is not part of a run; "
                     "choose a new or empty folder"
                 )
         return False
 
     def write(self, progress: Progress, configuration: Mapping[str, Any]) -> None:
-        """Write the progress of a run; what earlier iterations wrote is left as it is.
+        """Write the progress of a run; files of earlier iterations are left unchanged.
 
         Raises
         ------
         OSError
-            If a file cannot be written; the checkpoint before is still valid then.
+            If a file cannot be written; the previous checkpoint is then still valid.
         """
         last = f"{progress.iteration:04d}-"
         for number, batch in enumerate(progress.batches, start=1):
@@ -180,7 +180,7 @@ class RunFolder:
         Raises
         ------
         ModelFormatError
-            If a file is missing or malformed, or the files do not belong together.
+            If a file is missing or malformed, or the files do not match.
         """
         path = self._path / CHECKPOINT
         document = read_json(path, format=FORMAT, version=VERSION)
@@ -189,13 +189,13 @@ class RunFolder:
             weights = {name: _vector(name, vector) for name, vector in document["weights"].items()}
             configuration, policy = dict(document["configuration"]), dict(document["policy"])
             if document.get("iteration") != len(metrics) - 1:
-                raise ModelFormatError("its metrics do not end with its iteration")
+                raise ModelFormatError("its metrics do not end at its iteration")
         value, names = rebuild(policy, weights, self._path, str(path))
         batches = tuple(self._read_batch(number, value) for number in range(1, len(metrics)))
         return Progress(value, names, metrics, batches), configuration
 
     def repair(self, progress: Progress) -> None:
-        """Undo the traces of an interruption: restore derived files, remove what no checkpoint names."""
+        """Clean up after an interruption: restore derived files, remove files that no checkpoint names."""
         if not self._is_derived(progress):
             self._write_derived(progress)
         for folder in (self._path, self._path / TREES, self._path / EXPERIENCE):
@@ -209,7 +209,7 @@ class RunFolder:
         write_policy(self._path, progress.value, progress.tree_names, progress.iteration)
 
     def _is_derived(self, progress: Progress) -> bool:
-        """Whether the derived files are of this iteration; `write_policy` writes the policy last."""
+        """Return whether the derived files are of this iteration; `write_policy` writes the policy last."""
         try:
             header = read_json(self._path / POLICY, format=policy_file.FORMAT, version=policy_file.VERSION)
         except ModelFormatError:
@@ -226,14 +226,14 @@ class RunFolder:
                 yield path
 
     def _entries(self) -> Iterator[Path]:
-        """Files in the folder, and in the two folders of a run below it."""
+        """Yield the files in the folder and in its two subfolders."""
         for folder in (self._path, self._path / TREES, self._path / EXPERIENCE):
             for path in sorted(folder.iterdir()) if folder.is_dir() else ():
                 if path not in (self._path / TREES, self._path / EXPERIENCE):
                     yield path
 
     def _is_ours(self, path: Path) -> bool:
-        """Whether a run could have written a file, by its name."""
+        """Return whether a run could have written a file, judging by its name."""
         if is_temporary(path):
             return True
         if path.parent == self._path:
@@ -250,7 +250,7 @@ class RunFolder:
         arity = max((kind.arity for kind in value.action_types), default=0)
         fits = batch.matrix.shape[1] == value.schema.width and batch.arguments.shape[1] == arity
         if not fits or batch.types.max(initial=0) >= len(value.action_types):
-            raise ModelFormatError(f"{path} is of another world than the checkpoint beside it")
+            raise ModelFormatError(f"{path} belongs to a different world than the checkpoint beside it")
         return batch
 
 
@@ -266,12 +266,12 @@ def _vector(name: str, numbers: object) -> FloatArray:
 
 
 def checked_metrics(rows: object) -> tuple[Row, ...]:
-    """Check the metrics of a run: at least one row, rows numbered from 0, with the keys `METRIC_NAMES`.
+    """Check the metrics of a run: at least one row, numbered from 0, with the keys `METRIC_NAMES`.
 
     Raises
     ------
     ModelFormatError
-        If they are not so.
+        If they are malformed.
     """
     if not isinstance(rows, list) or not rows:
         raise ModelFormatError("the list of metrics is missing")

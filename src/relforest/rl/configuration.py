@@ -1,4 +1,4 @@
-"""What the result of a run depends on, as plain JSON values, and whether two runs agree in it."""
+"""Everything that the result of a run depends on, as plain JSON values, and its comparison."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from relforest.support.errors import InputError, RunFolderError
 def describe_run(
     env: Environment, settings: RPISettings, seed: np.random.SeedSequence, episodes: tuple[int, int]
 ) -> dict[str, Any]:
-    """Return the configuration of a run; `episodes` are those of training and of testing per iteration."""
+    """Return the configuration of a run; `episodes` are training and test episodes per iteration."""
     world = world_of(env)
     return {
         "random_state": _seed_to_dict(seed),
@@ -34,12 +34,12 @@ def describe_run(
 
 
 def restore_run(configuration: Mapping[str, Any], folder: Path) -> tuple[np.random.SeedSequence, RPISettings]:
-    """Return the seed and the settings that a stored configuration names.
+    """Return the seed and the settings of a stored configuration.
 
     Raises
     ------
     ModelFormatError
-        If they are missing or malformed; `folder` says where.
+        If they are missing or malformed; the message names `folder`.
     """
     with well_formed(f"the checkpoint in {folder} is damaged"):
         stored = configuration["random_state"]
@@ -48,18 +48,18 @@ def restore_run(configuration: Mapping[str, Any], folder: Path) -> tuple[np.rand
 
 
 def check_configuration(there: Mapping[str, Any], here: Mapping[str, Any], folder: Path) -> None:
-    """Check that a run folder holds the run that is about to be continued.
+    """Check that a run folder contains the run that is about to be continued.
 
     Raises
     ------
     RunFolderError
-        If not; the message names every entry that differs.
+        If it does not; the message names every difference.
     """
     differing = differences(there, here)
     if differing:
         raise RunFolderError(
-            f"{folder} holds a run of another configuration: {'; '.join(differing)}; "
-            "choose another folder, or the configuration of that run"
+            f"{folder} contains a run with a different configuration: {'; '.join(differing)}; "
+            "choose another folder, or use the configuration of that run"
         )
 
 
@@ -69,7 +69,7 @@ def check_world(value: ValueFunction, env: Environment) -> None:
     Raises
     ------
     InputError
-        If the attributes of the objects or the action types differ; the numbers of objects may.
+        If the attributes of objects or the action types differ. Numbers of objects may differ.
     """
     world = world_of(env)
     name = type(world).__name__
@@ -86,7 +86,7 @@ def check_world(value: ValueFunction, env: Environment) -> None:
 
 
 def differences(there: object, here: object, name: str = "") -> list[str]:
-    """Name the entries in which two configurations differ, such as ``episodes (500 there, 10 here)``."""
+    """Return the differences between two configurations, such as ``episodes (500 there, 10 here)``."""
     if isinstance(there, Mapping) and isinstance(here, Mapping):
         found: list[str] = []
         for key in dict.fromkeys([*there, *here]):
@@ -102,7 +102,7 @@ def _seed_to_dict(seed: np.random.SeedSequence) -> dict[str, Any]:
 
 
 def _options(env: Environment) -> dict[str, Any]:
-    """Return the options an environment was made with, as far as Gymnasium knows them."""
+    """Return the options that an environment was created with, as far as Gymnasium records them."""
     spec = getattr(env, "spec", None)
     options = {} if spec is None else {"id": spec.id, **spec.kwargs}
     plain = (bool, int, float, str, type(None))

@@ -1,8 +1,8 @@
-"""What an agent has seen: transitions of a semi-Markov decision process, in columns.
+"""The experience of an agent: transitions of a semi-Markov decision process, in columns.
 
-A state is stored once, even where the next state of one transition is the state of the following one. Every
-action that was available in a state (a *candidate*) is stored with it, because policy iteration asks for the
-value of all of them. Scenes for learning are views, see `relforest.rl.action_scenes`.
+A state is stored once, even if the next state of one transition is the state of the following one. Every
+action available in a state (a *candidate*) is stored with it, because policy iteration needs the values of
+all of them. Scenes for learning are views, see `relforest.rl.action_scenes`.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ class Experience:
     objects : (s + 1,) int64
         State ``i`` has the rows ``objects[i]`` to ``objects[i + 1]`` (exclusive).
     private : (s,) int64
-        How many of the objects of each state, counted from the last, are private: they belong to the scenes
-        of the candidates that bind them only.
+        Number of private objects in each state, which are its last ones: they belong only to the scenes of
+        the candidates that bind them.
     candidates : (s + 1,) int64
         State ``i`` offers the candidates ``candidates[i]`` to ``candidates[i + 1]`` (exclusive).
     types : (c,) int64
@@ -48,21 +48,21 @@ class Experience:
     states, next_states : (n,) int64
         State numbers at both ends of each transition.
     actions : (n,) int64
-        The candidate that was taken; it belongs to the state of the transition.
+        The candidate taken; it belongs to the state of the transition.
     rewards : (n,) float64
         Reward inside the action, discounted to its beginning.
     durations : (n,) float64
-        How long the action took, in the world's unit of time.
+        Duration of the action, in the world's unit of time.
     terminal, truncated : (n,) bool
-        Whether the transition ended its episode in a terminal state, or by a limit of time.
+        Whether the transition ended its episode in a terminal state, or by a time limit.
     episode_rewards, episode_durations : (e,) float64
         Undiscounted total reward and duration of each episode.
 
     Raises
     ------
     InputError
-        If a shape or type is wrong, a number points outside its table, a duration is negative, or a value is
-        infinite or beyond 1e100.
+        If a shape or type is wrong, an index is out of range, a duration is negative, or a value is
+        infinite or exceeds 1e100.
 
     References
     ----------
@@ -113,42 +113,42 @@ class Experience:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], *, origin: str) -> Experience:
-        """Build the batch that `arrays` described.
+        """Build the batch from the output of `arrays`.
 
         Parameters
         ----------
         arrays : mapping
-            All of `COLUMNS` by name. Those of `OPTIONAL_COLUMNS` may be missing: batches written before there
-            were private objects have none.
+            The `COLUMNS` by name. `OPTIONAL_COLUMNS` may be missing, as in batches written before private
+            objects were introduced.
         origin : str
-            Where the arrays come from, for messages.
+            Where the arrays come from, for error messages.
 
         Raises
         ------
         ModelFormatError
-            If a column is missing or the columns do not fit together.
+            If a column is missing or the columns do not match.
         """
         missing = [name for name in COLUMNS if name not in arrays and name not in OPTIONAL_COLUMNS]
         if missing:
-            raise ModelFormatError(f"{origin} is no batch of experience: it lacks {', '.join(missing)}")
+            raise ModelFormatError(f"{origin} is not a batch of experience: {', '.join(missing)} missing")
         n_states = max(arrays["objects"].size - 1, 0)
         columns = {"private": np.zeros(n_states, np.int64)} | dict(arrays)
         try:
             return cls(**{name: columns[name] for name in COLUMNS})
         except InputError as error:
-            raise ModelFormatError(f"{origin} is no valid batch of experience: {error}") from error
+            raise ModelFormatError(f"{origin} is not a valid batch of experience: {error}") from error
 
 
 def concatenate(batches: Sequence[Experience]) -> Experience:
-    """Join batches of the same world in the given order; their states and candidates are renumbered.
+    """Join batches of the same world in the given order, renumbering states and candidates.
 
     Raises
     ------
     InputError
-        If there is no batch, or the worlds have different numbers of columns.
+        If no batch is given, or the batches have different numbers of columns.
     """
     if not batches:
-        raise InputError("there is no experience to join: gather at least one batch first")
+        raise InputError("no experience to join: gather at least one batch first")
     widths = {(batch.matrix.shape[1], batch.arguments.shape[1]) for batch in batches}
     if len(widths) > 1:
         raise InputError(
@@ -179,7 +179,7 @@ COLUMNS = tuple(field.name for field in fields(Experience))
 """Names of the columns of `Experience`, in order."""
 
 OPTIONAL_COLUMNS = ("private",)
-"""Those that a file may lack; they are 0 then."""
+"""Columns that may be missing from a file; they are then 0."""
 
 _LAYOUT: dict[str, tuple[type[Any], int]] = {
     name: (
@@ -211,7 +211,7 @@ def _column(name: str, values: NDArray[Any], kind: type[Any], ndim: int) -> NDAr
 
 
 def _check_offsets(name: str, offsets: IntArray, end: int) -> None:
-    # Bounded before differences are taken, which could overflow.
+    # Bounds are checked first, because differences could overflow.
     bounded = (
         len(offsets)
         and offsets[0] == 0
@@ -252,7 +252,7 @@ def _check_numbers(experience: Experience) -> None:
             raise InputError(f"{name} must be numbers from 0 to {end - 1}")
     low, high = experience.candidates[experience.states], experience.candidates[experience.states + 1]
     if ((experience.actions < low) | (experience.actions >= high)).any():
-        raise InputError("actions must name a candidate of the transition's own state")
+        raise InputError("actions must be candidates of the state of the transition")
     if len(experience.types) and experience.types.min() < 0:
         raise InputError("types must not be negative")
     n_objects = np.diff(experience.objects)
@@ -263,7 +263,7 @@ def _check_numbers(experience: Experience) -> None:
         raise InputError("arguments must be positions of objects in their state, or -1 for none")
     if (np.abs(experience.matrix) > LARGEST_NUMBER).any():
         raise InputError(
-            f"matrix holds an infinite value, or one beyond {LARGEST_NUMBER:g}; use NaN for undefined values"
+            f"matrix contains a value that is infinite or exceeds {LARGEST_NUMBER:g}; use NaN if undefined"
         )
     for name in ("rewards", "durations", "episode_rewards", "episode_durations"):
         least = 0.0 if name.endswith("durations") else -LARGEST_NUMBER

@@ -1,4 +1,4 @@
-"""Numbers that a forest of SMRF trees extracts from a scene (Palmer (2015), section 6.4).
+"""The features that a forest of SMRF trees extracts from a scene (Palmer (2015), section 6.4).
 
 Letters: n scenes, k columns.
 """
@@ -37,7 +37,7 @@ def tree_features(tree: Tree, answers: Answers, mode: FeatureMode) -> FloatArray
     ----------
     tree : Tree
     answers : Answers
-        What the tree says about the scenes.
+        The answers of the tree for the scenes.
     mode : {"densities+bits", "bits", "probability"}
         - ``"densities+bits"``: for each leaf in order its bit (1 if it decides the scene), then the density
           at each question above it, root first, for the most representative instantiation sequence. Leaves

@@ -35,7 +35,7 @@ def segment_argmax(values: NDArray[np.float64], starts: NDArray[np.int64], out: 
 
 
 class ForestArrays(NamedTuple):
-    """The trees of one action type end to end, and what their leaves add to the value of an action."""
+    """The trees of one action type end to end, and the contributions of their leaves to the value."""
 
     nodes: NDArray[np.int64]  # packed nodes of all trees, links counted from the first tree's root
     numbers: NDArray[np.float64]  # volumes of all trees
@@ -60,8 +60,8 @@ def forest_values(
 ) -> bool:
     """Write the value of each action of one type in one state to `out` (m,).
 
-    Returns whether all is done. If not, `place` (2,), the action and tree to begin with, has moved on; called
-    again with it, the computation continues.
+    Returns whether all values are complete. If not, `place` (2,), the action and tree to begin with, has
+    advanced; called again with it, the computation continues.
 
     `matrix` (n_rows, width) holds the attribute values, `objects` (n_objects,) the rows of the objects that
     all actions share, and `arguments` (m, arity) the rows bound by each action, whether or not they are

@@ -31,13 +31,12 @@ class LSPIResult:
     lookahead : Lookahead
         Values, greedy actions and Bellman errors of these weights on the samples.
     n_features : int
-        How many features are in use (have data), over all action types.
+        Number of features in use (with data), over all action types.
     iterations : int
-        How many policies were evaluated.
+        Number of policies evaluated.
     reason : {"converged", "cycle", "limit"}
-        Why it stopped: the weights settled, a policy came back that had been evaluated before, or there were
-        too many iterations. In the last two cases the result is the policy with the smallest sum of squared
-        Bellman errors.
+        Why it stopped: the weights converged, a policy recurred, or the limit was reached. In the last two
+        cases the result is the policy with the smallest sum of squared Bellman errors.
     """
 
     weights: tuple[FloatArray, ...]
@@ -63,14 +62,13 @@ def lspi(
     transitions : Transitions
         At least one.
     weights : sequence of (k_a,) float64
-        Where to begin: the greedy policy of these weights is evaluated first.
+        Initial weights: their greedy policy is evaluated first.
     settings : LSPISettings, optional
 
     References
     ----------
     Palmer (2015), Algorithm 2.2; Lagoudakis and Parr (2003). The source does not say
-    what happens when policies alternate without end; keeping the one with the smallest residual is our
-    choice.
+    what to do when policies alternate forever; keeping the one with the smallest residual is our choice.
     """
     settings = settings or LSPISettings()
     problem = LSTDQ(features, transitions, max_condition=settings.max_condition)
@@ -89,7 +87,7 @@ def lspi(
         if best is None or ahead.squared_error < best[1].squared_error:
             best = (current, ahead)
         following = _fingerprint(ahead.chosen)
-        # The weights depend on the policy alone, so evaluating the same policy again would change nothing.
+        # The weights depend only on the policy, so evaluating the same policy again would change nothing.
         if change < settings.epsilon or following == policy:
             return LSPIResult(current, ahead, problem.n_features, len(seen), "converged")
         if following in seen:

@@ -1,7 +1,7 @@
 """A learned policy as files: ``policy.json``, ``weights.npz`` and one JSON file per tree in ``trees/``.
 
-`describe` and `rebuild` are the JSON form of a value function whose trees lie in files of their own; a
-checkpoint holds the same description with the weights written out.
+`describe` and `rebuild` convert a value function to and from JSON, with its trees in separate files. A
+checkpoint contains the same description, including the weights.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ TREES: Final = "trees"
 MAX_ACTIONS: Final = 1000
 
 TreeNames = tuple[tuple[str, ...], ...]
-"""For each action type the file names of its trees."""
+"""For each action type, the file names of its trees."""
 
 
 def describe(value: ValueFunction, tree_names: TreeNames) -> dict[str, Any]:
-    """Return what a policy is, apart from its trees and weights, as plain JSON values."""
+    """Return the description of a policy, without trees and weights, as plain JSON values."""
     actions = [
         {"name": kind.name, "parameters": list(kind.parameters), "weights": slug, "trees": list(names)}
         for kind, slug, names in zip(value.action_types, slugs(value.action_types), tree_names, strict=True)
@@ -51,23 +51,23 @@ def describe(value: ValueFunction, tree_names: TreeNames) -> dict[str, Any]:
 def rebuild(
     document: Mapping[str, Any], weights: Mapping[str, FloatArray], folder: Path, origin: str
 ) -> tuple[ValueFunction, TreeNames]:
-    """Build the value function that `describe` described.
+    """Build the value function from a description.
 
     Parameters
     ----------
     document : mapping
-        Holds what `describe` returned.
+        Contains the output of `describe`.
     weights : mapping of str to (k_a,) float64
-        Weights by the name that the description gives them.
+        Weights, by the names used in the description.
     folder : path
-        Where the folder of the trees lies.
+        The folder that contains the folder of trees.
     origin : str
-        Where the description comes from, for messages.
+        Where the description comes from, for error messages.
 
     Raises
     ------
     ModelFormatError
-        If a part is missing or malformed, or the parts do not fit together.
+        If a part is missing or malformed, or the parts do not match.
     """
     with well_formed(f"{origin} does not describe a policy"):
         check_counts({"nodes": (), "schema": document["schema"]})
@@ -91,7 +91,7 @@ def rebuild(
 def write_policy(
     folder: str | os.PathLike[str], value: ValueFunction, tree_names: TreeNames, iteration: int
 ) -> None:
-    """Write ``weights.npz`` and ``policy.json``; the trees must be there already (`write_tree`)."""
+    """Write ``weights.npz`` and ``policy.json``; the trees must have been written before (`write_tree`)."""
     arrays = {"iteration": np.array(iteration)}
     arrays |= dict(zip(slugs(value.action_types), value.weights, strict=True))
     write_npz(Path(folder) / WEIGHTS, arrays)
@@ -100,24 +100,24 @@ def write_policy(
 
 
 def read_policy(folder: str | os.PathLike[str]) -> ValueFunction:
-    """Read the policy in a run folder; the experience and the checkpoint beside it are not needed.
+    """Read the policy from a run folder; its experience and checkpoint are not needed.
 
     Raises
     ------
     ModelFormatError
-        If a file is missing or malformed, or the files do not belong together.
+        If a file is missing or malformed, or the files do not match.
     """
     value = _read_parts(Path(folder))
     if value is None:
         raise ModelFormatError(
-            f"{POLICY} and {WEIGHTS} in {folder} are of different iterations, as after an interruption; "
-            "start the run again, which restores both"
+            f"{POLICY} and {WEIGHTS} in {folder} belong to different iterations, as after an interruption; "
+            "continue the run to restore both"
         )
     return value
 
 
 def check_policy(folder: str | os.PathLike[str]) -> None:
-    """Check that the files of a policy are readable; an interruption between writing them does no harm.
+    """Check that the files of a policy are readable, even if an interruption left them out of step.
 
     Raises
     ------
@@ -133,12 +133,12 @@ def write_tree(folder: Path, name: str, tree: Tree) -> None:
 
 
 def tree_name(iteration: int, slug: str, number: int) -> str:
-    """Name the file of a tree, such as ``0001-left-1.json``: iteration, action type, count within both."""
+    """Return the file name of a tree, such as ``0001-left-1.json``: iteration, action type, number."""
     return f"{iteration:04d}-{slug}-{number}.json"
 
 
 def slugs(action_types: Sequence[ActionType]) -> tuple[str, ...]:
-    """Return names of action types that are fit for file names and differ in any file system."""
+    """Return names of action types that are safe and distinct as file names on any file system."""
     plain = [re.sub(r"[^A-Za-z0-9_]+", "_", kind.name) for kind in action_types]
     lower = [name.lower() for name in plain]
     return tuple(
@@ -148,7 +148,7 @@ def slugs(action_types: Sequence[ActionType]) -> tuple[str, ...]:
 
 
 def _read_parts(folder: Path) -> ValueFunction | None:
-    """Read a policy; None if its two files are sound, but of different iterations."""
+    """Read a policy; None if its two files are valid but belong to different iterations."""
     path = folder / POLICY
     document = read_json(path, format=FORMAT, version=VERSION)
     with well_formed(f"{path} does not describe a policy"):
@@ -164,7 +164,7 @@ def _read_parts(folder: Path) -> ValueFunction | None:
 
 def _read_tree(path: Path) -> Tree:
     document = read_json(path, format=TREE_FORMAT, version=TREE_VERSION)
-    with well_formed(f"{path} is no valid tree"):
+    with well_formed(f"{path} is not a valid tree"):
         return Tree.from_dict(document)
 
 
@@ -175,7 +175,7 @@ def _listed(entry: Mapping[str, Any], key: str) -> tuple[Any, ...]:
 
 
 def _file_name(name: object) -> str:
-    # A model from elsewhere must not make us read files outside its folder.
+    # A model from elsewhere must not cause files outside its folder to be read.
     if not isinstance(name, str) or not re.fullmatch(r"\w[\w.-]{,200}\.json", name):
         raise ModelFormatError(
             f"{name!r:.100} is no file name of a tree; expected one such as 0001-left-1.json"

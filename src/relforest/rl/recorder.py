@@ -1,4 +1,4 @@
-"""Writing down what happens while a world runs."""
+"""Recording experience while a world runs."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Which experience each part of an iteration learns from, laid out so that trees are queried once per scene.
+"""The experience that each part of an iteration learns from, laid out so that scenes are queried once.
 
 LSPI learns from up to 100 000 transitions of all batches, labels come from the latest batch (Palmer (2015),
 section 7.2). Both refer to the same list of distinct state-action pairs per action type: a candidate action
-of a next state is usually also the action taken there, and it is one scene, not two.
+of a next state is usually also the action taken there, and is one scene, not two.
 
 Letters: n transitions, c candidate actions of their next states, m_a distinct state-action pairs of action
 type a.
@@ -26,12 +26,12 @@ from relforest.support.rng import generator
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Transitions:
-    """Transitions whose state-action pairs are named by action type and row of that type's table.
+    """Transitions with state-action pairs identified by action type and row in the table of that type.
 
     Parameters
     ----------
     types, rows : (n,) int64
-        The pair (s, a) that was observed.
+        The observed pair (s, a).
     rewards : (n,) float64
         Discounted reward inside the action.
     discounts : (n,) float64
@@ -59,16 +59,16 @@ class Transitions:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """What one iteration of SMRF-RPI learns from.
+    """The data that one iteration of SMRF-RPI learns from.
 
     Parameters
     ----------
     scenes : tuple of Scenes
         For each action type its distinct state-action pairs (m_a scenes, arguments bound).
     lspi : Transitions
-        The transitions that policies are learned from.
+        Transitions used to learn policies.
     latest : Transitions
-        All transitions of the latest batch, which labels and trees come from.
+        All transitions of the latest batch, used for labels and trees.
     """
 
     scenes: tuple[Scenes, ...]
@@ -96,12 +96,12 @@ def draw_samples(
     discount : float
         Discount factor per unit of duration.
     max_samples : int
-        At most so many transitions go to LSPI, drawn without replacement from all batches.
+        Largest number of transitions for LSPI, drawn without replacement from all batches.
     bootstrap_on_truncation : bool
-        Whether the value of the state counts in which a limit of time cut an episode. The source does not
-        say; True treats the limit as an accident of the experiment, not as a part of the task.
+        Whether to use the value of the state in which a time limit cut an episode. The source does not
+        say; True treats the limit as part of the experiment, not of the task.
     seed : numpy.random.SeedSequence
-        The stream of this draw.
+        The random stream for this draw.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def draw_samples(
 
 
 def _needed_candidates(pool: Experience, chosen: IntArray, discounts: FloatArray) -> BoolArray:
-    """Mark the candidates whose features the chosen transitions ask for; (c,) bool."""
+    """Mark the candidates needed by the chosen transitions; (c,) bool."""
     needed = np.zeros(len(pool.types), dtype=np.bool_)
     needed[pool.actions[chosen]] = True
     needed[_following(pool, chosen[discounts[chosen] > 0.0])[1]] = True
@@ -139,7 +139,7 @@ def _needed_candidates(pool: Experience, chosen: IntArray, discounts: FloatArray
 
 
 def _following(pool: Experience, chosen: IntArray) -> tuple[IntArray, IntArray]:
-    """Number of candidates after each chosen transition, and all of them in order."""
+    """Return the number of candidates after each chosen transition, and all of them in order."""
     states = pool.next_states[chosen]
     starts = pool.candidates[states]
     counts = pool.candidates[states + 1] - starts

@@ -58,26 +58,26 @@ class RPISettings:
     Parameters
     ----------
     features : {"densities+bits", "bits", "probability"}
-        What a tree contributes to the features (section 6.4).
+        The features that a tree contributes (section 6.4).
     epsilon : float
         Probability of a uniformly random action in training after the first iteration, 0 to 1. The source
         does not give a value.
     trees_per_label : int
-        Candidate trees per action type and round for the labels, and as many for the negated labels.
+        Candidate trees per action type and round on the labels, and the same number on the negated labels.
     max_scenes : int
-        Most scenes that a candidate tree is learned from.
+        Largest number of scenes used to learn a candidate tree.
     max_samples : int
-        Most transitions that LSPI learns from.
+        Largest number of transitions for LSPI.
     alpha : float
         Significance level of the test that a tree must pass, divided by the number of candidates
         (Bonferroni), above 0 and below 1.
     max_rounds : int
-        Most rounds of representation and policy learning per iteration; unlimited in the source.
+        Largest number of rounds of representation and policy learning per iteration; unlimited in the source.
     bootstrap_on_truncation : bool
-        Whether the value of the state in which a time limit ended an episode counts. The source does not say.
+        Whether to use the value of a state in which a time limit cut the episode. The source does not say.
     wrapper : bool
-        Whether candidates are tested by learning a policy with them. False keeps the tree with the most
-        significant question in every round, to show what the test contributes (section 7.3.2).
+        Whether candidates are tested by learning a policy with them. False keeps, in every round, the tree
+        learned with the highest significance, to show the benefit of the test (section 7.3.2).
     lspi : LSPISettings
     tree : TreeSettings
 
@@ -116,7 +116,7 @@ class RPISettings:
 
     @property
     def n_candidates(self) -> int:
-        """Candidate trees that are attempted per action type and round."""
+        """Candidate trees attempted per action type and round."""
         return 2 * self.trees_per_label
 
     def to_dict(self) -> dict[str, Any]:
@@ -125,7 +125,7 @@ class RPISettings:
 
     @classmethod
     def from_dict(cls, document: object) -> RPISettings:
-        """Read what `to_dict` wrote.
+        """Read what `to_dict` returned.
 
         Raises
         ------

@@ -1,8 +1,7 @@
 """The action-value function of an agent: a forest and a weight vector per action type.
 
-`ValueFunction.values` is what policies call at every step of an episode. It does not build features: the
-forest of an action type is packed once into a few arrays, and a kernel adds up the weights of the leaves that
-the trees arrive at.
+Policies call `ValueFunction.values` at every step of an episode. It does not build features: the forest of an
+action type is packed once into a few arrays, and a kernel adds up the weights of the leaves that decide.
 """
 
 from __future__ import annotations
@@ -35,20 +34,20 @@ class ValueFunction:
     Parameters
     ----------
     schema : Schema
-        The world's attributes, without parameters.
+        The attributes of the world, without parameters.
     action_types : tuple of ActionType
-        Those of the world.
+        The action types of the world.
     features : {"densities+bits", "bits", "probability"}
-        Which features the trees contribute.
+        The features that trees contribute.
     forests : tuple of tuple of Tree
-        The trees of each action type; their schema has the parameters of that type.
+        The trees of each action type; their schema includes the parameters of the type.
     weights : tuple of (k_a,) float64
-        The weights of each action type: the bias, then those of each tree's columns.
+        The weights of each action type: the bias, then the weights of each tree's columns.
 
     Raises
     ------
     InputError
-        If the parts do not fit together, or a weight is not finite or beyond 1e100.
+        If the parts do not match, or a weight is not finite or exceeds 1e100.
 
     References
     ----------
@@ -97,11 +96,10 @@ class ValueFunction:
     def values(self, decision: Decision) -> FloatArray:
         """Return Q of each available action, shape (n_actions,).
 
-        The decision must come from a world with this schema and these action types; it is not checked again
-        here.
+        The decision must come from a world with this schema and these action types; this is not checked.
         """
         values = np.empty(len(decision))
-        # Private objects are bound by the actions that see them, and what is bound is not looked for again.
+        # Private objects are bound by the actions that see them, so they need not be searched.
         shared = np.arange(decision.n_shared)
         for kind, (forest, action_type) in enumerate(zip(self._packed, self.action_types, strict=True)):
             chosen = np.flatnonzero(decision.types == kind)
@@ -110,14 +108,14 @@ class ValueFunction:
             out = np.empty(len(chosen))
             arguments = decision.arguments[chosen, : action_type.arity]
             work, place = query_work(*forest.sizes), np.zeros(2, dtype=np.int64)
-            # Between two calls Python can be interrupted.
+            # Python can be interrupted between two calls.
             while not forest_values(forest, decision.objects, shared, arguments, work, out, place):
                 pass
             values[chosen] = out
         return values
 
     def scene_values(self, kind: int, scenes: Scenes) -> FloatArray:
-        """Return Q of each scene of one action type, shape (n_scenes,), by way of the features."""
+        """Return Q of each scene of one action type, shape (n_scenes,), using features."""
         values: FloatArray = forest_features(self.forests[kind], scenes, self.features) @ self.weights[kind]
         return values
 
@@ -125,7 +123,7 @@ class ValueFunction:
         trees, weights, name = self.forests[kind], self.weights[kind], self.action_types[kind].name
         if any(tree.schema != schema for tree in trees):
             raise InputError(
-                f"a tree of action type {name!r} is for scenes with another schema than {schema}"
+                f"a tree of action type {name!r} is for scenes with a schema other than {schema}"
             )
         columns = 1 + sum(width(tree, self.features) for tree in trees)
         # The negated test also catches NaN.
@@ -138,12 +136,12 @@ class ValueFunction:
 
 
 def action_schemas(schema: Schema, action_types: Sequence[ActionType]) -> tuple[Schema, ...]:
-    """Return for each action type the schema of its scenes, with the parameters of the type."""
+    """Return the schema of the scenes of each action type, with the parameters of the type."""
     return tuple(Schema(schema.attributes, action_type.parameters) for action_type in action_types)
 
 
 def _pack_forest(trees: Sequence[Tree], weights: FloatArray, mode: FeatureMode) -> ForestArrays:
-    """Lay the trees of one action type end to end, with what each of their leaves adds to the value."""
+    """Lay the trees of one action type end to end, with the contribution of each leaf to the value."""
     nodes, numbers, added = [], [np.empty(0)], [np.empty(0)]
     roots: list[tuple[int, int]] = []
     leaves: list[tuple[int, int]] = []
@@ -182,7 +180,7 @@ def _pack_forest(trees: Sequence[Tree], weights: FloatArray, mode: FeatureMode) 
 
 
 def _leaf_weights(tree: Tree, weights: FloatArray, mode: FeatureMode) -> list[FloatArray]:
-    """For each leaf what it adds when it decides a scene: a constant, then the weights of its densities."""
+    """Return the contribution of each leaf when it decides: a constant, then the weights of its densities."""
     if mode == "probability":
         return list((tree.leaf_probabilities * weights[0])[:, None])
     ends = np.cumsum(leaf_widths(tree, mode))

@@ -112,7 +112,7 @@ def dense(name: str = "ours", n_features: int = 2) -> DenseFeatures[Any]:
 def test_a_function_must_be_given_again(tmp_path: Path) -> None:
     write_team(tmp_path, make_team(dense(), 1))
     assert len(read_team(tmp_path, dense())) == 1
-    with pytest.raises(ModelFormatError, match=r"'name': 'ours'.*give the feature map"):
+    with pytest.raises(ModelFormatError, match=r"'name': 'ours'.*pass the feature map"):
         read_team(tmp_path)
     for other in (dense("theirs"), dense(n_features=3), TILES):
         with pytest.raises(ModelFormatError, match="learned with other features"):
@@ -122,7 +122,7 @@ def test_a_function_must_be_given_again(tmp_path: Path) -> None:
 def test_only_agents_of_one_kind_are_a_team(tmp_path: Path) -> None:
     one = make_team(TILES, 1, SETTINGS)
     for other in (make_team(TILES, 1), make_team(dense(), 1, SETTINGS)):
-        with pytest.raises(InputError, match="agent 1 has other options or features"):
+        with pytest.raises(InputError, match="the options or features of agent 1 differ"):
             write_team(tmp_path, (*one, *other))
     with pytest.raises(InputError, match="1 to 1000 agents, got 0"):
         write_team(tmp_path, ())

@@ -1,9 +1,9 @@
 """Classical learners to compare with: tile coding and linear Sarsa(lambda) for SMDPs.
 
-These learn online, from one decision to the next, and are independent of any world: an observation is
-whatever the feature map takes. `SarsaLambda` learns the weights of any `FeatureMap`: a `TileCoding`, as in
-Stone et al. (2006), or any function that returns a row of numbers per action (`DenseFeatures`). Start with
-`sarsa`; `make_team` makes several agents, with weights of their own or shared.
+They learn online, from one decision to the next, and are independent of the world: an observation is whatever
+the feature map accepts. `SarsaLambda` learns the weights of any `FeatureMap`: of a `TileCoding`, which is the
+peer of Stone et al. (2006), or of any function that returns a row of numbers per action (`DenseFeatures`).
+Start with `sarsa`; `make_team` creates several agents, with separate or shared weights.
 """
 
 from __future__ import annotations

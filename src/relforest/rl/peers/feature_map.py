@@ -1,7 +1,7 @@
-"""What a linear learner sees of an observation: for each action the features that are not zero.
+"""The input of a linear learner: for each action, the features that are not zero.
 
-`FeatureMap` is all that a learner asks for. `DenseFeatures` makes one of any function that returns a row of
-numbers per action; `relforest.rl.peers.tile_coding.TileCoding` is a sparse one.
+`FeatureMap` is all that a learner needs. `DenseFeatures` turns any function that returns a row of numbers per
+action into one; `relforest.rl.peers.tile_coding.TileCoding` is a sparse one.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Observation = TypeVar("Observation")
 Observation_contra = TypeVar("Observation_contra", contravariant=True)
 
 MAX_FEATURES: Final = 10_000_000
-"""Most features of a map: a longer weight vector is a mistake in its options."""
+"""Largest number of features of a map: a longer weight vector indicates a mistake in the options."""
 
 
 class Features(NamedTuple):
@@ -37,7 +37,7 @@ class Features(NamedTuple):
 class FeatureMap(Protocol[Observation_contra]):
     """Turns observations into features.
 
-    Two maps are the same if `to_dict` says the same; weights learned with one are then good for the other.
+    Two maps are the same if `to_dict` returns the same; weights learned with one then fit the other.
     """
 
     @property
@@ -47,7 +47,7 @@ class FeatureMap(Protocol[Observation_contra]):
 
     @property
     def n_active(self) -> int:
-        """How many features of an action are not zero, at most; step sizes are divided by it."""
+        """Largest number of nonzero features of an action; step sizes are divided by it."""
         ...
 
     def features(self, observation: Observation_contra, /) -> Features:
@@ -55,7 +55,7 @@ class FeatureMap(Protocol[Observation_contra]):
         ...
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON values that tell this map from others; "kind" names its class."""
+        """Return plain JSON values that identify this map; "kind" names its class."""
         ...
 
 
@@ -63,8 +63,8 @@ class FeatureMap(Protocol[Observation_contra]):
 class DenseFeatures(Generic[Observation]):
     """Any function from an observation to a row of numbers per action.
 
-    All actions share one weight vector: where they should not share a weight, as actions of different types,
-    their rows have different columns that are not zero.
+    All actions share one weight vector. Actions that should not share weights, such as actions of different
+    types, need nonzero values in different columns.
 
     Parameters
     ----------
@@ -73,10 +73,11 @@ class DenseFeatures(Generic[Observation]):
     n_features : int
         Number of columns, 1 to 10 million.
     n_active : int, optional
-        What step sizes are divided by. All columns count by default. Where most are 0, say how many are
-        not. Steps do not overshoot if it is at least the squared length of every row (and alpha at most 1).
+        The divisor of step sizes, by default the number of columns. Where most are 0, give the number that
+        are not. Steps do not overshoot if it is at least the squared length of every row and alpha is at
+        most 1.
     name : str
-        What tells this function from others in a model file.
+        The name that identifies this function in a model file.
 
     Raises
     ------
@@ -116,7 +117,7 @@ class DenseFeatures(Generic[Observation]):
 
     @property
     def n_active(self) -> int:
-        """What step sizes are divided by."""
+        """The divisor of step sizes."""
         return self._n_active
 
     def features(self, observation: Observation, /) -> Features:
@@ -125,7 +126,7 @@ class DenseFeatures(Generic[Observation]):
         Raises
         ------
         InputError
-            If the function returns another shape, no row, or a number that is not finite (or above 1e100).
+            If the function returns the wrong shape, no rows, or a number that is not finite or exceeds 1e100.
         """
         try:
             values = np.array(self._function(observation), dtype=np.float64, order="C")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from relforest.support.jit import kernel
 
 LIMIT: Final = 1e100
-"""Values beyond this count as divergence: far above any meaningful one, far below overflow."""
+"""Larger values count as divergence: far above any meaningful value, far below overflow."""
 
 DIVERGED: Final = -1
 NO_FEATURE: Final = -2
@@ -51,7 +51,7 @@ def active_tiles(
 
 
 class Memory(NamedTuple):
-    """What an agent changes while it learns, n = number of features."""
+    """The state that an agent changes while learning; n = number of features."""
 
     weights: NDArray[np.float64]  # (n,)
     traces: NDArray[np.float64]  # (n,)
@@ -179,7 +179,7 @@ def fade(memory: Memory, factor: float, smallest: float) -> None:
 def learn(
     memory: Memory, rates: Rates, past: tuple[NDArray[np.int64], NDArray[np.float64]], error: float
 ) -> None:
-    """Move the weights along the traces, of which those of the last action are `past` (1, k) each."""
+    """Move the weights along the traces; `past` are the features of the last action, (1, k) each."""
     amount = rates.step * error
     if rates.trace_decay == 0.0:
         for j in range(past[0].shape[1]):
@@ -212,9 +212,9 @@ def advance(
     discount: float,
     draw: float,
 ) -> int:
-    """Learn from one decision and return the next action; an error changes nothing.
+    """Learn from one decision and return the next action; on an error, nothing changes.
 
-    `past` holds the features of the action before, each of shape (1, k).
+    `past` are the features of the previous action, each of shape (1, k).
     """
     before, q = np.empty(1), np.empty(len(indices))
     failure = action_values(memory.weights, past[0], past[1], before)
@@ -236,7 +236,7 @@ def advance(
 def finish(
     memory: Memory, rates: Rates, past: tuple[NDArray[np.int64], NDArray[np.float64]], reward: float
 ) -> int:
-    """Learn from the last decision of an episode, after which nothing follows; returns 0 or an error."""
+    """Learn from the last decision of an episode; returns 0 or an error."""
     before = np.empty(1)
     failure = action_values(memory.weights, past[0], past[1], before)
     if failure < 0:

@@ -1,7 +1,7 @@
 """Linear Sarsa(lambda) for semi-Markov decision processes, the learner of Stone et al. (2005).
 
-An agent holds the features of its last decision, its traces and its random stream. What it has learned is a
-weight vector alone, so agents share experience by sharing that vector.
+An agent stores the features of its last decision, its traces and its random stream. All it learns is a weight
+vector, so agents share experience by sharing that vector.
 """
 
 from __future__ import annotations
@@ -30,28 +30,28 @@ class SarsaLambda(Generic[Observation]):
     Parameters
     ----------
     features : FeatureMap
-        Its view of observations.
+        The feature map of its observations.
     settings : SarsaSettings, optional
-        The defaults if not given.
+        Default: ``SarsaSettings()``.
     weights : (n_features,) float64, optional
-        The weights to begin with, all 0 if not given. The array itself is used and changed: agents that are
-        given the same one learn from each other's experience.
+        Initial weights, 0 by default. The array is used directly and modified: agents with the same array
+        learn from each other's experience.
     learn : bool
-        False freezes the agent: it takes a best action and changes nothing.
+        False freezes the agent: it takes the best action and learns nothing.
     random_state : int, SeedSequence, Generator or None
         Seed of exploration and ties. Each decision uses one random number.
 
     Raises
     ------
     InputError
-        If an option is wrong, or the weights are not such an array.
+        If an option or the array of weights is invalid.
 
     Notes
     -----
     The error of a decision is ``r + gamma**duration Q(s', a') - Q(s, a)``, with a' chosen by the weights
-    before they change. Q(s, a) is of the present weights, in case another agent changed them meanwhile. An
-    episode that a limit of time cut short ends with `step` on its last observation: `start` forgets the
-    action that this returns.
+    before they change. Q(s, a) uses the current weights, in case another agent has changed them. An episode
+    cut short by a time limit ends with `step` on its last observation: `start` discards the action that this
+    returns.
 
     References
     ----------
@@ -104,7 +104,7 @@ class SarsaLambda(Generic[Observation]):
 
     @property
     def features(self) -> FeatureMap[Observation]:
-        """The agent's view of observations."""
+        """The feature map of the agent."""
         return self._features
 
     @property
@@ -114,16 +114,16 @@ class SarsaLambda(Generic[Observation]):
 
     @property
     def weights(self) -> FloatArray:
-        """What it has learned, shape (n_features,): the live array, not a copy."""
+        """The learned weights, shape (n_features,): the array itself, not a copy."""
         return self._memory.weights
 
     def start(self, observation: Observation) -> int:
-        """Return the first action of an episode; whatever came before is forgotten.
+        """Return the first action of an episode, discarding everything before it.
 
         Raises
         ------
         InputError
-            If the feature map refuses the observation, or the weights have diverged.
+            If the feature map rejects the observation, or the weights have diverged.
         """
         now = self._look(observation)
         self._past = None
@@ -139,15 +139,15 @@ class SarsaLambda(Generic[Observation]):
         reward : float
             The reward of the last action, discounted to its beginning.
         duration : float
-            How long it took, in the unit of `SarsaSettings.gamma`, at least 0.
+            Its duration, in the unit of `SarsaSettings.gamma`, at least 0.
         observation : object
-            What there is to see now.
+            The current observation.
 
         Raises
         ------
         InputError
-            If there was no action yet, reward or duration is not finite, the feature map refuses the
-            observation, or the weights diverge. Nothing has been learned then.
+            If there is no previous action, reward or duration is not finite, the feature map rejects the
+            observation, or the weights diverge. Nothing is learned in these cases.
         """
         past = self._last_action("step")
         gain = _number("reward", reward, -LIMIT)
@@ -167,8 +167,8 @@ class SarsaLambda(Generic[Observation]):
         Parameters
         ----------
         reward : float
-            The reward of that action, discounted to its beginning. Its duration does not matter: nothing
-            follows that it could discount.
+            The reward of that action, discounted to its beginning. Its duration does not matter, because
+            nothing follows.
 
         Raises
         ------
@@ -195,7 +195,7 @@ class SarsaLambda(Generic[Observation]):
         return out
 
     def greedy(self, observation: Observation, rng: np.random.Generator) -> int:
-        """Return a best action, ties at random, apart from any episode; uses one number of `rng`.
+        """Return a best action outside any episode, breaking ties at random; uses one number of `rng`.
 
         Raises
         ------

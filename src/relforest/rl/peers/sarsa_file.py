@@ -1,7 +1,7 @@
 """A team of Sarsa agents as files: ``sarsa.json`` and the weights that it names.
 
-The weights lie in a file named for their content, which is written before ``sarsa.json`` names it, so that an
-interruption leaves the model before or the model after, never a mixture.
+The weights are in a file named after their content, which is written before ``sarsa.json`` refers to it, so
+that an interruption leaves either the old model or the new one, never a mixture.
 """
 
 from __future__ import annotations
@@ -34,26 +34,28 @@ _WEIGHTS_FILE: Final = re.compile(r"sarsa-[0-9a-f]{16}\.npz")
 
 
 def write_team(folder: str | os.PathLike[str], team: Sequence[SarsaLambda[Any]]) -> None:
-    """Write the weights of agents and which of them share some; traces and random streams are not kept.
+    """Write the weights of agents, and which agents share them; traces and random streams are not stored.
 
     Parameters
     ----------
     folder : path
-        Where to write; a model that is there is replaced.
+        Where to write; an existing model is replaced.
     team : sequence of SarsaLambda
-        At least one agent and at most 1000, all with the same options and feature map.
+        1 to 1000 agents, all with the same options and feature map.
 
     Raises
     ------
     InputError
-        If there is no agent, or they differ in more than their weights.
+        If the team is empty, or the agents differ in more than their weights.
     """
     if not 1 <= len(team) <= MAX_AGENTS:
         raise InputError(f"a team must have 1 to {MAX_AGENTS} agents, got {len(team)}")
     settings, features = team[0].settings, team[0].features.to_dict()
     for number, agent in enumerate(team):
         if agent.settings != settings or agent.features.to_dict() != features:
-            raise InputError(f"agent {number} has other options or features than agent 0; write it elsewhere")
+            raise InputError(
+                f"the options or features of agent {number} differ from those of agent 0; write it elsewhere"
+            )
     vectors = {id(agent.weights): agent.weights for agent in team}
     rows = {key: row for row, key in enumerate(vectors)}
     weights = np.stack(list(vectors.values()))
@@ -89,18 +91,18 @@ def read_team(
     Parameters
     ----------
     folder : path
-        Where the model lies.
+        The folder of the model.
     features : FeatureMap, optional
         The feature map of the model. Only tile coding can be read from the file.
     learn : bool
-        Whether the agents go on learning.
+        Whether the agents continue to learn.
     random_state : int, SeedSequence, Generator or None
         Seed of the team, as in `relforest.rl.peers.team.make_team`.
 
     Raises
     ------
     ModelFormatError
-        If a file is missing or malformed, or the features are not those of the model.
+        If a file is missing or malformed, or the features differ from those of the model.
     """
     path = Path(folder) / MODEL
     document = read_json(path, format=FORMAT, version=VERSION)
@@ -120,7 +122,7 @@ def _feature_map(stored: object, given: FeatureMap[Any] | None, path: Path) -> F
             return TileCoding.from_dict(stored)
         raise ModelFormatError(
             f"the features of {path} are {stored!r:.200}; only tile coding can be read from a file: "
-            "give the feature map they were made with"
+            "pass the feature map that created them"
         )
     if given.to_dict() != stored:
         raise ModelFormatError(
@@ -130,18 +132,18 @@ def _feature_map(stored: object, given: FeatureMap[Any] | None, path: Path) -> F
 
 
 def _read_weights(name: object, n_features: int, path: Path) -> list[FloatArray]:
-    # A model from elsewhere must not make us read files outside its folder.
+    # A model from elsewhere must not cause files outside its folder to be read.
     if not isinstance(name, str) or not _WEIGHTS_FILE.fullmatch(name):
-        raise ModelFormatError(f"{path} names no file of weights: {name!r:.200}")
+        raise ModelFormatError(f"{path} does not name a file of weights: {name!r:.200}")
     table = read_npz(path.parent / name, ["weights"])["weights"]
     if table.dtype != np.float64 or table.ndim != 2 or table.shape[1] != n_features:
         raise ModelFormatError(
-            f"{path.parent / name} must hold rows of {n_features} float64, as {path} says, "
+            f"{path.parent / name} must contain rows of {n_features} float64, according to {path}, "
             f"got {table.dtype} of shape {table.shape}"
         )
     if not (np.abs(table) <= LIMIT).all():
-        raise ModelFormatError(f"{path.parent / name} holds weights that are not finite")
-    # Rows of their own: agents that do not share weights should share nothing.
+        raise ModelFormatError(f"{path.parent / name} contains weights that are not finite")
+    # Separate arrays: agents that do not share weights should share nothing.
     return [np.array(row) for row in table]
 
 
@@ -151,7 +153,7 @@ def _rows(agents: object, n_rows: int, path: Path) -> list[int]:
     valid = all(type(row) is int and 0 <= row < n_rows for row in agents)
     if not valid or set(agents) != set(range(n_rows)):
         raise ModelFormatError(
-            f"{path} must give each agent one of the {n_rows} rows of weights, and none in vain, "
+            f"{path} must assign one of the {n_rows} rows of weights to each agent, and use every row, "
             f"got {agents!r:.200}"
         )
     return agents

@@ -29,13 +29,12 @@ class SarsaSettings:
     epsilon : float
         Probability of a uniformly random action while learning, 0 to 1.
     trace_decay : float
-        Lambda, 0 to 1: how much of its trace a feature keeps per decision, besides the discount.
+        Lambda, 0 to 1: the factor by which traces decay per decision, in addition to the discount.
     traces : {"replacing", "accumulating"}
-        Whether a feature that is active again has its trace set to its value, or raised by it. Replacing
-        traces also forget features that are active for the other actions of the state.
+        Whether the trace of a feature that is active again is set to its value, or increased by it. Replacing
+        traces also clear features that are active for the other actions of the state.
     min_trace : float
-        Traces that fall below this are dropped, at least 0; 0 keeps them all, which is slow with many
-        features.
+        Traces below this are dropped, at least 0; 0 keeps them all, which is slow with many features.
 
     Raises
     ------
@@ -67,7 +66,7 @@ class SarsaSettings:
 
     @classmethod
     def from_dict(cls, document: object) -> SarsaSettings:
-        """Read what `to_dict` wrote.
+        """Read what `to_dict` returned.
 
         Raises
         ------

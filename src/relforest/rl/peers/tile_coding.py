@@ -22,7 +22,7 @@ from relforest.support.options import at_least, in_range
 
 DEFAULT_TILES: Final = 64
 MAX_VARIABLES: Final = 10_000
-"""How many tile widths each variable covers where no upper bound is given."""
+"""Number of tile widths that each variable covers by default."""
 
 
 @final
@@ -30,9 +30,9 @@ class TileCoding:
     """One-dimensional tilings of each variable, for each action.
 
     With ``q = floor(s / width * tilings)`` for a variable of value s, its tiling j (0 to tilings - 1) has s
-    in cell ``floor((q - j) / tilings)``: tiles are as wide as `widths` says, and each tiling is shifted by
-    ``width / tilings`` against the one before. A variable is confined to a range, so that weights lie in an
-    array rather than in a hash table: a value outside has the tiles of the nearer bound.
+    in cell ``floor((q - j) / tilings)``: tiles are `widths` wide, and each tiling is shifted by
+    ``width / tilings`` relative to the previous one. Variables are limited to a range, so that weights fit in
+    an array rather than a hash table: a value outside the range has the tiles of the nearer bound.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class TileCoding:
 
     Notes
     -----
-    The feature of tiling j and cell c is numbered ``tilings * c + j`` but for a constant. The active tiles of
+    The feature of tiling j and cell c is numbered ``tilings * c + j`` up to a constant. The active tiles of
     a variable are then simply the numbers ``q - tilings + 1`` to ``q``.
 
     References
@@ -135,7 +135,7 @@ class TileCoding:
         Raises
         ------
         InputError
-            If there are more or fewer variables than widths, or one is NaN or infinite.
+            If the number of variables is wrong, or a variable is NaN or infinite.
         """
         try:
             variables = np.array(observation, dtype=np.float64)
@@ -165,7 +165,7 @@ class TileCoding:
 
     @classmethod
     def from_dict(cls, document: object) -> TileCoding:
-        """Read what `to_dict` wrote.
+        """Read what `to_dict` returned.
 
         Raises
         ------
@@ -190,7 +190,7 @@ class TileCoding:
             raise InputError(f"widths[{i}] must be above 0, got {width}")
         if not low < high:
             raise InputError(f"upper[{i}] must be above lower[{i}] = {low}, got {high}")
-        # Beyond 2**53 neighbouring steps are no longer different numbers.
+        # Beyond 2**53, neighbouring steps cannot be told apart.
         if max(abs(low), abs(high)) / width * self._tilings > 2**53:
             raise InputError(
                 f"widths[{i}] = {width} is too small for the range from {low} to {high}: use wider tiles"
