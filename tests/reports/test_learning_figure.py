@@ -66,5 +66,5 @@ def test_there_must_be_something_to_draw() -> None:
         reward_figure({})
     with pytest.raises(InputError, match="at least one run with one row"):
         reward_figure({"a": [[]]})
-    with pytest.raises(InputError, match="no number for 'iteration' or 'test_reward'"):
+    with pytest.raises(InputError, match="'iteration' or 'test_reward' is missing or not a number"):
         reward_figure({"a": [[{"iteration": 0}]]})

@@ -55,5 +55,5 @@ def test_questions_introduce_their_new_variables_but_no_arguments() -> None:
 
 
 def test_a_path_is_of_one_scene() -> None:
-    with pytest.raises(InputError, match="a path is of one scene, got 2"):
+    with pytest.raises(InputError, match="expected a single scene, got 2"):
         tree_path(one_question(), scenes_of([[0, 0]], [[1, 1]]))

@@ -1,9 +1,8 @@
 """Pictures and texts about what was learned; nothing here learns or decides.
 
-`tree_figure` draws a tree with its decision volumes, `reward_figure` and `leaves_figure` show the progress of
-learning, `corridor_figure` shows the action values of a one-dimensional world, and `run_report` describes a
-run in words. `save_figure` writes any figure as PNG or SVG, always with the same bytes; `style` is the common
-look.
+`tree_figure` draws a tree with its decision volumes, `reward_figure` and `leaves_figure` draw learning
+curves, `corridor_figure` draws the action values of a one-dimensional world, and `run_report` describes a
+run. `save_figure` writes any figure as PNG or SVG, always with the same bytes; `style` defines the style.
 """
 
 from __future__ import annotations

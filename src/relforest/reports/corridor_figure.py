@@ -1,4 +1,4 @@
-"""The action values of a one-dimensional world over its only variable, as Figure 7.1 of Palmer (2015)."""
+"""Action values of a one-dimensional world over its only variable, as in Figure 7.1 of Palmer (2015)."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _DARKEST, _LIGHTEST = 0.8, 0.2
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class LeafBand:
-    """Which leaf of one tree decides, over x.
+    """The deciding leaf of a tree, over x.
 
     Parameters
     ----------
     action : int
-        The action whose tree it is.
+        The action that the tree belongs to.
     leaves : (n_x,) int64
         Ordinal of the leaf at each x.
     """
@@ -48,9 +48,9 @@ class BellmanErrors:
     Parameters
     ----------
     x : (m,) float64
-        Where each example began.
+        The position where each example began.
     actions : (m,) int64
-        Which action it took.
+        The action taken.
     errors : (m,) float64
         Its Bellman error.
     """
@@ -69,7 +69,7 @@ def corridor_figure(
     *,
     title: str = "",
 ) -> Figure:
-    """Draw action values, Bellman errors and active leaves over x; the policy colours the ground.
+    """Draw action values, Bellman errors and active leaves over x; the background shows the policy.
 
     Parameters
     ----------
@@ -79,15 +79,15 @@ def corridor_figure(
         Value of each action at each x.
     action_names : sequence of str
     bellman : BellmanErrors
-        Drawn as points, their mean for each action as a dotted line.
+        Drawn as points, with the mean of each action as a dotted line.
     leaf_bands : sequence of LeafBand
-        One per tree, drawn as bars whose colour changes with the leaf.
+        One per tree, drawn as a bar that changes colour with the leaf.
     title : str
 
     Raises
     ------
     InputError
-        If the shapes do not agree.
+        If the shapes do not match.
 
     References
     ----------
@@ -137,7 +137,7 @@ def _draw_values(axes: Axes, x: NDArray[np.float64], q_values: NDArray[np.float6
 
 
 def _explain(axes: Axes, names: Sequence[str]) -> None:
-    """Put a legend above the axes, where no curve can pass behind it."""
+    """Place a legend above the axes, away from the curves."""
     marks = [
         Line2D([], [], color=SERIES[action % len(SERIES)], linewidth=2.0, label=f"Q({name})")
         for action, name in enumerate(names)
@@ -186,7 +186,7 @@ def _draw_bands(axes: Axes, x: NDArray[np.float64], bands: Sequence[LeafBand], n
 
 
 def _stretches(x: NDArray[np.float64], codes: NDArray[np.int64]) -> list[tuple[float, float, int]]:
-    """Return (from, to, code) of each run of equal codes; neighbours meet half-way."""
+    """Return (from, to, code) of each run of equal codes; neighbours meet halfway."""
     changes = np.flatnonzero(codes[1:] != codes[:-1])
     middles = (x[changes] + x[changes + 1]) / 2
     bounds = [float(x[0]), *middles.tolist(), float(x[-1])]

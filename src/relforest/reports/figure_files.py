@@ -1,4 +1,4 @@
-"""Writing figures to files, whole or not at all, with the same bytes every time."""
+"""Writing figures to files, atomically and with the same bytes every time."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from relforest.support.files import write_bytes
 SUFFIXES: Final = (".png", ".svg")
 
 _MOST_PIXELS: Final = 3e7
-# What Matplotlib's renderer allows.
+# The limit of Matplotlib's renderer.
 _MOST_ALONG: Final = 2**16 - 1
 
-# What Matplotlib would write into a file by itself; None keeps it out.
+# Metadata that Matplotlib writes by default; None omits it.
 _METADATA: Final[dict[str, dict[str, None]]] = {
     ".png": {"Software": None},
     ".svg": {"Creator": None, "Date": None},
@@ -29,12 +29,12 @@ _METADATA: Final[dict[str, dict[str, None]]] = {
 
 
 def check_suffix(path: str | PathLike[str]) -> None:
-    """Check that a path ends as a picture does.
+    """Check that a path has the suffix of a picture.
 
     Raises
     ------
     InputError
-        If its suffix is none of `SUFFIXES`.
+        If the suffix is not in `SUFFIXES`.
     """
     suffix = Path(path).suffix
     if suffix.lower() not in SUFFIXES:
@@ -43,15 +43,15 @@ def check_suffix(path: str | PathLike[str]) -> None:
 
 
 def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
-    """Write a figure as PNG or SVG, told apart by suffix.
+    """Write a figure as PNG or SVG, depending on the suffix.
 
-    Equal figures give equal bytes: no date and no program version is written.
+    Equal figures give equal bytes: no date or program version is written.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
     path : path
-        Missing parent folders are made, an existing file is replaced.
+        Missing parent folders are created, an existing file is replaced.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
 
 
 def _resolution(figure: Figure) -> float:
-    """Return the pixels per inch, fewer than usual if the figure is so large that they would fill memory."""
+    """Return the resolution in pixels per inch, reduced for figures too large for memory."""
     width, height = map(float, figure.get_size_inches())
     usual = float(mpl.rcParams["savefig.dpi"])
     return min(usual, math.sqrt(_MOST_PIXELS / (width * height)), _MOST_ALONG / max(width, height))

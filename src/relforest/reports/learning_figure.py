@@ -1,4 +1,4 @@
-"""How learning went on: a quantity per iteration, averaged over independent runs.
+"""Learning curves: a quantity per iteration, averaged over independent runs.
 
 Compare Figures 7.2 to 7.4 of Palmer (2015).
 """
@@ -21,7 +21,7 @@ Row = Mapping[str, Any]
 Runs = Sequence[Sequence[Row]]
 
 _SIZE: Final = (5.6, 3.6)
-# Series side by side, so that error bars of one iteration do not hide each other.
+# Series are shifted, so that error bars of one iteration do not hide each other.
 _SHIFT: Final = 0.06
 
 
@@ -33,7 +33,7 @@ def reward_figure(
     Parameters
     ----------
     metrics_by_run : mapping of str to runs
-        For each labelled series its runs, each a sequence of rows with the keys ``iteration`` and
+        Runs of each labelled series. A run is a sequence of rows with the keys ``iteration`` and
         ``test_reward``, as in ``metrics.jsonl``.
     title : str
     optimum : float, optional
@@ -42,7 +42,7 @@ def reward_figure(
     Raises
     ------
     InputError
-        If there is no series, or one of them is without runs or rows, or a key is missing.
+        If no series is given, a series has no runs or rows, or a key is missing.
 
     References
     ----------
@@ -70,7 +70,7 @@ def reward_figure(
 def leaves_figure(metrics_by_run: Mapping[str, Runs], *, title: str = "") -> Figure:
     """Draw the mean number of leaves of all trees per iteration, with standard deviations across runs.
 
-    Parameters are those of `reward_figure`; the rows have the keys ``iteration`` and ``leaves``.
+    Parameters as for `reward_figure`; rows need the keys ``iteration`` and ``leaves``.
 
     References
     ----------
@@ -84,12 +84,12 @@ def mean_and_deviation(
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     """Return iterations, means and standard deviations (0 for a single run) of a quantity; each (k,).
 
-    Runs of different length count as far as they go.
+    Runs may differ in length.
 
     Raises
     ------
     InputError
-        If there is no run or no row, or a row lacks the key or holds no number.
+        If no run or row is given, or a key is missing from a row or not a number.
     """
     values: dict[int, list[float]] = {}
     for run in runs:
@@ -98,10 +98,10 @@ def mean_and_deviation(
                 values.setdefault(int(row["iteration"]), []).append(float(row[key]))
             except (KeyError, TypeError, ValueError) as error:
                 raise InputError(
-                    f"a row of metrics has no number for 'iteration' or {key!r}: {row!r:.200}"
+                    f"'iteration' or {key!r} is missing or not a number in a row of metrics: {row!r:.200}"
                 ) from error
     if not values:
-        raise InputError("there is nothing to draw: a series needs at least one run with one row of metrics")
+        raise InputError("nothing to draw: a series needs at least one run with one row of metrics")
     iterations = sorted(values)
     means = [float(np.mean(values[iteration])) for iteration in iterations]
     deviations = [
@@ -113,7 +113,7 @@ def mean_and_deviation(
 
 def _series_figure(series: Mapping[str, Runs], key: str, ylabel: str, title: str) -> Figure:
     if not series:
-        raise InputError("there is nothing to draw: pass at least one series of runs")
+        raise InputError("nothing to draw: pass at least one series of runs")
     with styled():
         figure = Figure(figsize=_SIZE, layout="constrained")
         axes = figure.add_subplot()

@@ -34,7 +34,7 @@ _LIT: Final = BLUE
 @final
 @dataclass(frozen=True, slots=True)
 class NodeText:
-    """What is written in a node: a tag in small type and lines of normal type, and the size that needs."""
+    """The text of a node: a tag in small type, lines in normal type, and the resulting size."""
 
     tag: str
     lines: tuple[str, ...]
@@ -50,7 +50,7 @@ def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) 
     names : dict of int to str
         Short name of each question, such as ``"Q1"``, by node index.
     path : TreePath, optional
-        Its instantiations name the objects that were bound.
+        If given, its instantiations show the bound objects.
     """
     new = introduced(tree)
     texts = []
@@ -68,7 +68,7 @@ def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) 
 def draw_tree(
     axes: Axes, tree: Tree, texts: tuple[NodeText, ...], layout: Layout, path: TreePath | None = None
 ) -> None:
-    """Draw all nodes and edges into axes whose unit is an inch and whose y points downwards."""
+    """Draw all nodes and edges into axes in inches, with y pointing down."""
     lit = frozenset() if path is None else frozenset(path.nodes)
     for index, node in enumerate(tree.nodes):
         box = layout.boxes[index]
@@ -178,7 +178,7 @@ def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) ->
 def _write(
     axes: Axes, text: str, at: tuple[float, float], *, size: float, color: str = INK, bold: bool = False
 ) -> float:
-    """Write a centred line whose top is at ``at``, and return where the next line begins."""
+    """Write a centred line with its top at ``at``, and return the top of the next line."""
     height = line_height(size)
     axes.text(
         at[0],

@@ -1,4 +1,4 @@
-"""How head, tree and panels of a tree's picture share a page; lengths are in inches from its top left."""
+"""The layout of head, tree and panels on a page; lengths are in inches from the top left corner."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Place = tuple[float, float]
 @final
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A page with the places of the tree's top left corner and of each panel's."""
+    """A page, with the top left corners of the tree and of each panel."""
 
     width: float
     height: float
@@ -28,12 +28,12 @@ class Page:
 def arrange(
     tree: tuple[float, float], panel: tuple[float, float], n_panels: int, *, head: tuple[float, float]
 ) -> Page:
-    """Put panels beside or below a tree, whichever is closest to the shape of a landscape page.
+    """Place panels beside or below a tree, whichever comes closest to a landscape page.
 
     Parameters
     ----------
     tree, panel, head : (width, height)
-        What the tree, each panel and the lines above them need.
+        Sizes of the tree, of each panel and of the lines above them.
     n_panels : int
     """
     pages = []

@@ -1,4 +1,4 @@
-"""What a keepaway policy would do if the takers stood elsewhere, as Figure 7.19 of Palmer (2015)."""
+"""The actions of a keepaway policy if the takers stood elsewhere, as in Figure 7.19 of Palmer (2015)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from relforest.support.options import at_least, in_range
 from relforest.worlds.keepaway.variables import n_variables, state_variables
 
 Evaluate = Callable[[NDArray[np.float64]], NDArray[np.float64] | NDArray[np.int64]]
-"""From states, (m, n, c) as `Formation.players`, to values of the actions, (m, actions), or actions, (m,)."""
+"""Maps states, (m, n, c) as `Formation.players`, to action values, (m, actions), or to actions, (m,)."""
 
 ACTION_COLORS: Final = (ORANGE, GREEN, BLUE, PINK, GOLD, SKY)
 """Hold, pass to 2, pass to 3 (reddish, greenish and bluish as in the source), and so on."""
@@ -36,18 +36,18 @@ _HALO: Final = {"boxstyle": "circle,pad=0.18", "facecolor": PAPER, "edgecolor": 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Formation:
-    """Players from which a map is made: keepers stay, takers move together.
+    """The players of a map: keepers stay in place, takers move together.
 
     Letters: n players.
 
     Parameters
     ----------
     players : (n, c) float64, c >= 2
-        x and y in metres, keepers first; further columns, as velocities and directions, go along unchanged.
+        x and y in metres, keepers first; further columns, such as velocities, are passed on unchanged.
     actor : int
         The keeper with the ball.
     title : str
-        Name of the panel.
+        Title of the panel.
     """
 
     players: NDArray[np.float64]
@@ -58,16 +58,16 @@ class Formation:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Preferences:
-    """What a policy prefers at each place of the takers' centre.
+    """The actions that a policy prefers, by position of the takers' centre.
 
     Parameters
     ----------
     x, y : (columns,) and (rows,) float64
-        Places of the takers' centre, in metres, ascending.
+        Positions of the takers' centre, in metres, ascending.
     actions : (rows, columns) int64
-        The preferred action, -1 = no value is known.
+        The preferred action, -1 = unknown.
     margins : (rows, columns) float64, or None
-        How much better it is than the next; None if the policy tells no values.
+        Its lead over the next best action; None if the policy does not return values.
     """
 
     x: NDArray[np.float64]
@@ -85,40 +85,40 @@ def policy_map_figure(
     step: float = 0.25,
     title: str = "",
 ) -> Figure:
-    """Draw for each formation what a policy prefers if the takers stood elsewhere.
+    """Draw, for each formation, the actions that a policy prefers if the takers stood elsewhere.
 
-    The colour of a place is the action preferred if the centre of the takers were there, the darker the
-    more its value exceeds the next. Numbers are the keepers, 1 the one with the ball, 2 its nearest teammate
-    and so on; asterisks are the takers as they really stand. As on the monitor of the RoboCup 2-D server, y
-    points down.
+    The colour at a position is the action preferred if the centre of the takers were there, darker the
+    more its value exceeds the next best. Numbers are the keepers: 1 has the ball, 2 is its nearest teammate
+    and so on. Asterisks are the takers in their actual positions. As in the monitor of the RoboCup 2-D
+    server, y points down.
 
     Parameters
     ----------
     formations : sequence of Formation
         One panel each.
     evaluate : callable
-        The policy: from states, (m, n, c), to the values of the actions, (m, keepers), NaN = unknown, or only
-        to the preferred actions, (m,) of an integer type. Action 0 = hold, k = pass to the k-th nearest
+        The policy: maps states, (m, n, c), to the values of actions, (m, keepers), NaN = unknown, or only to
+        the preferred actions, (m,) of an integer type. Action 0 = hold, k = pass to the k-th nearest
         teammate.
     keepers : int
         Number of keepers.
     field : (float, float)
         Length (along x) and width, in metres.
     step : float
-        Distance between places, in metres.
+        Distance between positions, in metres.
     title : str
 
     Raises
     ------
     InputError
-        If there is no formation, or a shape, an action or an option is not as described.
+        If no formation is given, or a shape, an action or an option is invalid.
 
     References
     ----------
     Palmer (2015), Figure 7.19.
     """
     if not formations:
-        raise InputError("there is nothing to draw: pass at least one formation")
+        raise InputError("nothing to draw: pass at least one formation")
     maps = [preferences(item, evaluate, keepers=keepers, field=field, step=step) for item in formations]
     known = [item.margins[item.actions >= 0] for item in maps if item.margins is not None]
     scale = float(np.quantile(np.concatenate(known), 0.95)) if any(map(len, known)) else 0.0
@@ -153,12 +153,12 @@ def preferences(
     field: tuple[float, float] = (20.0, 20.0),
     step: float = 0.25,
 ) -> Preferences:
-    """Return what a policy prefers at each place of the takers' centre; parameters as `policy_map_figure`.
+    """Return the preferences of a policy by position of the takers' centre; see `policy_map_figure`.
 
     Raises
     ------
     InputError
-        If a shape, an action or an option is not as described there.
+        If a shape, an action or an option is invalid.
     """
     step = in_range("step", step, 0.0, min(field), open_low=True)
     players = np.asarray(formation.players, dtype=np.float64)
@@ -192,17 +192,17 @@ def preferences(
 def on_variables(
     function: Callable[[NDArray[np.float64]], ArrayLike], *, keepers: int, actor: int = 0
 ) -> Evaluate:
-    """Return a policy for `policy_map_figure` from one that looks at the benchmark's state variables.
+    """Turn a policy on the state variables of the benchmark into one for `policy_map_figure`.
 
     Parameters
     ----------
     function : callable
-        From the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
+        Maps the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
         (keepers,), or to the preferred action.
     keepers : int
         Number of keepers.
     actor : int
-        The keeper with the ball; the ball is taken to be where it stands.
+        The keeper with the ball; the ball is assumed to be at its position.
     """
 
     def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64] | NDArray[np.int64]:
@@ -217,14 +217,14 @@ def on_variables(
 
 
 def _places(side: float, step: float) -> NDArray[np.float64]:
-    """Return the centres of equal cells that fill a side."""
+    """Return the centres of equal cells along a side."""
     count = max(1, round(side / step))
     half = side / count / 2
     return np.linspace(half - side / 2, side / 2 - half, count)
 
 
 def _best(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the best action of each row (-1 = nothing known), and its lead over the next best."""
+    """Return the best action of each row (-1 = unknown), and its lead over the next best."""
     known = np.where(np.isnan(values), -np.inf, values)
     ordered = np.sort(known, axis=1)
     compared = np.isfinite(ordered[:, -2])
@@ -259,7 +259,7 @@ def _draw_map(axes: Axes, found: Preferences, scale: float, step: float) -> None
 def _draw_players(axes: Axes, formation: Formation, keepers: int) -> None:
     players, actor = formation.players, formation.actor
     away = np.hypot(*(players[:keepers, :2] - players[actor, :2]).T)
-    # Of equally distant teammates the one with the higher number comes first, as in the game.
+    # Of teammates at equal distance, the one with the higher number comes first, as in the game.
     order = sorted(range(keepers), key=lambda keeper: (keeper != actor, away[keeper], -keeper))
     for number, keeper in enumerate(order, start=1):
         axes.text(

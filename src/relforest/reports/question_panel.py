@@ -1,4 +1,4 @@
-"""One question's decision volume: its name, its picture, its numbers."""
+"""The panel of a question: the name, picture and numbers of its decision volume."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MOST_NUMBERS: Final = 4
 
 
 def volume_table(volume: Volume) -> tuple[tuple[str, str], ...]:
-    """Return names and values: mean and scaled eigenvectors of an ellipsoid, or what an arc is.
+    """Return names and values: mean and scaled eigenvectors of an ellipsoid, or the parameters of an arc.
 
     A scaled eigenvector reaches from the mean to the boundary.
     """
@@ -51,7 +51,7 @@ def volume_table(volume: Volume) -> tuple[tuple[str, str], ...]:
 
 
 def panel_height(volumes: list[Volume]) -> float:
-    """Return the height in inches of panels that have room for each of the volumes' tables."""
+    """Return the height in inches of panels with room for the table of every volume."""
     lines = max((len(volume_table(volume)) for volume in volumes), default=0)
     return _TITLE_HEIGHT + _PLOT_HEIGHT + _AXIS_HEIGHT + lines * line_height(_TABLE) + _SPACE_BELOW
 
@@ -64,9 +64,9 @@ def draw_panel(
     points: QuestionPoints | None,
     witness: NDArray[np.float64] | None,
 ) -> None:
-    """Draw the panel of a question whose top left corner is at ``place`` on the page (inches).
+    """Draw the panel of a question, with its top left corner at ``place`` on the page (inches).
 
-    ``question`` is its short name and itself; see `draw_volume` for points and witness.
+    ``question`` is a pair of short name and question; see `draw_volume` for points and witness.
     """
     name, node = question
     left, top = place

@@ -1,4 +1,4 @@
-"""The points that each question of a tree sees in given scenes."""
+"""The points that each question of a tree sees in a batch of scenes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_SEQUENCES: Final = 200_000
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class QuestionPoints:
-    """Points of a mapping's codomain, and which of them come from positive scenes.
+    """Points in the codomain of a mapping, with the class of their scenes.
 
     Parameters
     ----------
@@ -37,11 +37,11 @@ class QuestionPoints:
         return len(self.points)
 
     def thinned(self, most: int, volume: Volume) -> QuestionPoints:
-        """Return at most so many points of either class, evenly spaced in their order.
+        """Return at most `most` points per class, evenly spaced in their order.
 
-        Of a two-dimensional volume, the points inside are kept first, up to half of the number: a small one
-        among many points would look empty otherwise. In other dimensions points become histograms, in which
-        every point must have the same chance.
+        For a two-dimensional volume, points inside are kept first, up to half of the number; otherwise, a
+        small volume among many points would look empty. In other dimensions points are drawn as histograms,
+        where every point must be equally likely to be kept.
         """
         inside = np.zeros(len(self), dtype=np.bool_)
         if volume.dim == 2:
@@ -52,31 +52,31 @@ class QuestionPoints:
 
 
 def question_points(tree: Tree, scenes: Scenes, labels: NDArray[np.bool_]) -> dict[int, QuestionPoints]:
-    """Return the defined points of all instantiation sequences that arrive at each question.
+    """Return the defined points of all instantiation sequences that reach each question.
 
     Parameters
     ----------
     tree : Tree
     scenes : Scenes
-        Of the tree's schema.
+        Scenes with the schema of the tree.
     labels : (n_scenes,) bool
         True for positive scenes.
 
     Returns
     -------
     dict of int to QuestionPoints
-        By node index. Where more than `MOST_SEQUENCES` sequences would meet, only evenly spaced ones of them
-        are followed: a picture cannot show more.
+        Points by node index. Of more than `MOST_SEQUENCES` sequences, only an evenly spaced selection is
+        followed: a picture cannot show more.
 
     Raises
     ------
     InputError
-        If the scenes have another schema, or the labels are not one for each scene.
+        If the scenes have a different schema, or the number of labels is wrong.
     """
     if scenes.schema != tree.schema:
         raise InputError(f"the tree is for scenes with {tree.schema}, these have {scenes.schema}")
     if labels.shape != (len(scenes),):
-        raise InputError(f"there must be one label per scene: got {labels.shape} for {len(scenes)} scenes")
+        raise InputError(f"expected one label per scene, got {labels.shape} for {len(scenes)} scenes")
     return {
         index: QuestionPoints(points, labels[scene])
         for index, scene, points in _visit(tree, scenes, argument_places(scenes))
@@ -86,7 +86,7 @@ def question_points(tree: Tree, scenes: Scenes, labels: NDArray[np.bool_]) -> di
 def _visit(
     tree: Tree, scenes: Scenes, places: NDArray[np.int64]
 ) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.float64]]]:
-    """Yield node index, scene (n,) and point (n, d) of everything defined that arrives at each question."""
+    """Yield node index, scenes (n,) and points (n, d) of the defined points at each question."""
     stack = [(0, Sequences.empty(len(scenes)))]
     while stack:
         index, sequences = stack.pop()
@@ -103,7 +103,7 @@ def _visit(
         stack.append((node.error, sequences.where(~defined)))
         stack.append((node.no, sequences.where(defined & ~inside)))
         stack.append((node.yes, sequences.where(inside)))
-        # Sequences that differ only in variables the question does not use share one point.
+        # Sequences that differ only in variables not used by the question share one point.
         distinct = sequences.where(defined).distinct(node.variables)
         mapped = node.mapping.evaluate(scenes.schema, scenes.matrix, rows_of(scenes, distinct))
         yield index, distinct.scene, mapped
@@ -125,7 +125,7 @@ def _extended(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64]) -
 
 
 def _chosen(of_class: NDArray[np.bool_], inside: NDArray[np.bool_], most: int) -> NDArray[np.intp]:
-    """Return the indices of at most so many points of a class, those inside first for up to half of them."""
+    """Return the indices of at most `most` points of a class, up to half of them from inside first."""
     within, outside = np.flatnonzero(of_class & inside), np.flatnonzero(of_class & ~inside)
     share = max(most // 2, most - len(outside))
     chosen = _spread(within, share)
@@ -133,7 +133,7 @@ def _chosen(of_class: NDArray[np.bool_], inside: NDArray[np.bool_], most: int) -
 
 
 def _spread(indices: NDArray[np.intp], most: int) -> NDArray[np.intp]:
-    """Return at most so many of the indices, evenly spaced."""
+    """Return at most `most` of the indices, evenly spaced."""
     if len(indices) <= most:
         return indices
     return indices[np.linspace(0, len(indices) - 1, most).round().astype(np.int64)]

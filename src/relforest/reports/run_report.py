@@ -1,4 +1,4 @@
-"""A run folder in words: the metrics of its iterations and the trees that it learned."""
+"""A run folder as text: the metrics of its iterations and the trees it learned."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from relforest.trees.text import describe
 
 
 def run_report(folder: str | PathLike[str]) -> str:
-    """Tell what a run has learned: a line of numbers per iteration, then every tree.
+    """Describe what a run has learned: a line of metrics per iteration, then every tree.
 
     Parameters
     ----------
     folder : path
-        The folder of one run, as `relforest.rl.checkpoint` describes it.
+        The folder of a single run, see `relforest.rl.checkpoint`.
 
     Raises
     ------
@@ -37,14 +37,14 @@ def run_report(folder: str | PathLike[str]) -> str:
 
 
 def metrics_table(rows: Iterable[Mapping[str, Any]], names: Sequence[str] = METRIC_NAMES) -> str:
-    """Return the named metrics as a table of text, one line per row; what is missing is a dash."""
+    """Return the named metrics as a text table, one line per row; missing values are dashes."""
     return _aligned(names, [[_cell(row.get(name)) for name in names] for row in rows])
 
 
 def averages_table(runs: Sequence[Sequence[Mapping[str, Any]]], names: Sequence[str] = METRIC_NAMES) -> str:
     """Return the mean and the standard deviation of each named metric over runs, one line per iteration.
 
-    The first name is that of the iteration.
+    The first name must be that of the iteration.
     """
     columns: list[list[str]] = []
     for name in names[1:]:
@@ -84,7 +84,7 @@ def _iterations(runs: Sequence[Sequence[Mapping[str, Any]]]) -> list[int]:
 
 
 def _aligned(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return rows below the names of the metrics, columns aligned to the right."""
+    """Return rows below the names of the metrics, with right-aligned columns."""
     lines = [[name.replace("_", " ") for name in names], *rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     return "\n".join(

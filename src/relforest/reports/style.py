@@ -1,4 +1,4 @@
-"""One look for all pictures: colours that colour-blind readers can tell apart, quiet lines, small type."""
+"""The style of all pictures: colours that colour-blind readers can distinguish, thin lines, small type."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ NEGATIVE: Final = ORANGE
 SERIES: Final = (BLUE, ORANGE, GREEN, PINK, GOLD, SKY)
 """Colours of lines, in order (Okabe and Ito's palette, without its yellow, which is too light for lines)."""
 MARKERS: Final = ("o", "s", "^", "D", "v", "P")
-"""Marks of lines, in the same order, for print without colours."""
+"""Markers of lines, in the same order, for printing without colours."""
 
-# Keys are `Any` because Matplotlib's own type of them differs between its versions.
+# Keys are `Any` because their type differs between versions of Matplotlib.
 STYLE: Final[Mapping[Any, Any]] = MappingProxyType(
     {
         "axes.edgecolor": GREY,
@@ -49,7 +49,7 @@ STYLE: Final[Mapping[Any, Any]] = MappingProxyType(
         "legend.frameon": False,
         "lines.linewidth": 1.6,
         "savefig.dpi": 150,
-        # Without a salt, the identifiers inside an SVG file would differ from one writing to the next.
+        # Without a salt, the identifiers in an SVG file would differ each time.
         "svg.hashsalt": "relforest",
         "text.color": INK,
         "text.usetex": False,
@@ -64,12 +64,12 @@ STYLE: Final[Mapping[Any, Any]] = MappingProxyType(
 
 
 def styled() -> AbstractContextManager[None]:
-    """Context in which the house style holds; what Matplotlib was set to before holds again afterwards."""
+    """Return a context with the house style; Matplotlib's previous settings are restored afterwards."""
     return mpl.rc_context(dict(STYLE))
 
 
 def mixed(color: str, share: float, ground: str = PAPER) -> Color:
-    """Return ``share`` parts of a colour in ``1 - share`` parts of another, as red, green and blue."""
+    """Mix ``share`` parts of a colour with ``1 - share`` parts of another; returns red, green and blue."""
     red, green, blue = (
         share * own + (1.0 - share) * other for own, other in zip(to_rgb(color), to_rgb(ground), strict=True)
     )
@@ -77,6 +77,6 @@ def mixed(color: str, share: float, ground: str = PAPER) -> Color:
 
 
 def probability_color(probability: float) -> Color:
-    """Return the fill of a leaf: from the negative colour at 0 over white at 1/2 to the positive one at 1."""
+    """Return the colour of a leaf: from negative at 0 through white at 1/2 to positive at 1."""
     strength = 0.65 * abs(2.0 * probability - 1.0)
     return mixed(POSITIVE if probability >= 0.5 else NEGATIVE, strength)

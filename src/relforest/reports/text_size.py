@@ -1,4 +1,4 @@
-"""How much room text needs, known before anything is drawn."""
+"""The size of text, computed before drawing."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ def line_height(size: float) -> float:
 
 
 def drawable(text: str) -> str:
-    """Return text with a mark in place of every character that the font cannot draw, line breaks included."""
+    """Return text with every character that is not in the font, such as a line break, replaced by a mark."""
     known = _characters()
     return "".join(letter if ord(letter) in known else _UNKNOWN for letter in text)
 
 
 def wrapped(text: str, width: float, size: float) -> list[str]:
-    """Break text into drawable lines of at most `width` inches; a word longer than that is broken too.
+    """Break text into drawable lines of at most `width` inches; longer words are broken too.
 
-    Of very long text only the beginning is kept, with an ellipsis behind it.
+    Very long text is cut, with an ellipsis at the end.
     """
     text = drawable(" ".join(text.split()))
     if len(text) > _LONGEST:
@@ -59,7 +59,7 @@ def wrapped(text: str, width: float, size: float) -> list[str]:
 
 
 def shortened(text: str, width: float, size: float, weight: Weight = "normal") -> str:
-    """Return drawable text that fits into `width` inches, with an ellipsis where its end is missing."""
+    """Return drawable text that fits into `width` inches, cut and ended by an ellipsis if necessary."""
     text = drawable(text[:_LONGEST])
     if text_width(text, size, weight) <= width:
         return text
@@ -71,7 +71,7 @@ def shortened(text: str, width: float, size: float, weight: Weight = "normal") -
 
 @cache
 def _characters() -> frozenset[int]:
-    """Return the code points that the font has."""
+    """Return the code points in the font."""
     return frozenset(get_font(findfont(FontProperties(family=_FAMILY))).get_charmap())
 
 

@@ -1,4 +1,4 @@
-"""A SMRF tree as a picture: its nodes, and beside them the decision volume of each question.
+"""A picture of a SMRF tree: its nodes, and the decision volume of each question.
 
 Compare Figures 4.1 and 7.6 of Palmer (2015).
 """
@@ -33,9 +33,9 @@ _SUBTITLE: Final = 8.5
 _LEGEND_HEIGHT: Final = 0.22
 _WIDEST_HEAD: Final = 14.0
 MOST_NODES: Final = 400
-"""Nodes of the largest tree that is drawn."""
+"""Largest number of nodes of a tree that is drawn."""
 MOST_PANELS: Final = 24
-"""Questions whose decision volumes are drawn; of larger trees, those are the first ones."""
+"""Largest number of decision volumes that are drawn: those of the first questions."""
 
 
 def tree_figure(
@@ -53,20 +53,20 @@ def tree_figure(
     ----------
     tree : Tree
     scenes : Scenes, optional
-        Scenes whose points are drawn behind each volume.
+        Scenes; their points are drawn behind each volume.
     labels : (n_scenes,) bool, optional
-        True for the positive ones of them.
+        True for positive scenes.
     points : mapping of int to QuestionPoints, optional
-        The points themselves, by node index, where there are no scenes.
+        Points by node index, as an alternative to scenes.
     highlight : Scenes, optional
-        One scene whose way through the tree is marked, with the objects that decided.
+        A scene; its path through the tree is marked, with the objects that decided.
     title : str
-        Above the picture. Default: the size of the tree.
+        Title. Default: the size of the tree.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As large as the tree needs. The decision volumes of more than `MOST_PANELS` questions are not drawn.
+        As large as necessary. At most `MOST_PANELS` decision volumes are drawn.
 
     Raises
     ------
@@ -76,8 +76,8 @@ def tree_figure(
     """
     if len(tree.nodes) > MOST_NODES:
         raise InputError(
-            f"the tree has {len(tree.nodes)} nodes, too many for a picture, which may have {MOST_NODES}: "
-            "print the tree in words instead"
+            f"the tree has {len(tree.nodes)} nodes, but a picture can show at most {MOST_NODES}: "
+            "print the tree as text instead"
         )
     if (scenes is None) != (labels is None):
         raise InputError("scenes and labels belong together: pass both or neither")
@@ -106,7 +106,7 @@ def tree_figure(
 
 
 def _head(tree: Tree, title: str, path: TreePath | None) -> list[tuple[str, float]]:
-    """Return the lines above the tree, each with its size."""
+    """Return the lines above the tree, each with its font size."""
     n_questions = sum(isinstance(node, Question) for node in tree.nodes)
     counted = f"{n_questions} question{'' if n_questions == 1 else 's'}"
     leaves = "1 leaf" if tree.is_stub else f"{tree.n_leaves} leaves"
@@ -159,7 +159,7 @@ def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *,
 
 
 def _tree_axes(figure: Figure, page: Page, layout: Layout) -> Axes:
-    """Add axes whose unit is an inch and whose y points downwards from the top of the tree."""
+    """Add axes in inches, with y pointing down from the top of the tree."""
     left, top = page.tree
     bounds = (
         left / page.width,

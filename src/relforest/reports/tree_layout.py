@@ -1,4 +1,4 @@
-"""Where the nodes of a tree stand in its drawing.
+"""Positions of the nodes in the drawing of a tree.
 
 Lengths are in inches; x grows to the right, y downwards from the top of the root.
 """
@@ -22,7 +22,7 @@ Size = tuple[float, float]
 @final
 @dataclass(frozen=True, slots=True)
 class Box:
-    """The place of a node: its left and right edge, its top and its bottom."""
+    """The position of a node: its left, right, top and bottom edges."""
 
     left: float
     right: float
@@ -31,22 +31,22 @@ class Box:
 
     @property
     def center(self) -> float:
-        """Abscissa of the middle."""
+        """Horizontal position of the middle."""
         return (self.left + self.right) / 2
 
     def moved(self, right: float, down: float) -> Box:
-        """Return the same box elsewhere."""
+        """Return the box, moved."""
         return Box(self.left + right, self.right + right, self.top + down, self.bottom + down)
 
     def beside(self, other: Box) -> bool:
-        """Tell whether two boxes share a height at which their sides could touch."""
+        """Return whether two boxes overlap vertically, so that their sides could touch."""
         return self.top < other.bottom + SIDE_GAP and other.top < self.bottom + SIDE_GAP
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The places of all nodes, by node index, and the room that they need."""
+    """The positions of all nodes, by node index, and their total size."""
 
     boxes: tuple[Box, ...]
     width: float
@@ -54,17 +54,17 @@ class Layout:
 
 
 def lay_out(nodes: Sequence[Node], sizes: Sequence[Size]) -> Layout:
-    """Place a tree from top to bottom, children side by side as close as their subtrees allow.
+    """Lay out a tree from top to bottom, with children as close together as their subtrees allow.
 
     Parameters
     ----------
     nodes : sequence of Node
         Depth first, as in `Tree.nodes`.
     sizes : sequence of (width, height)
-        Of each node.
+        The size of each node.
     """
     subtrees: list[dict[int, Box]] = [{} for _ in nodes]
-    # Children stand behind their parents, so going backwards finds every subtree finished.
+    # Children come after their parents, so in reverse order every subtree is complete when needed.
     for index in range(len(nodes) - 1, -1, -1):
         width, height = sizes[index]
         own = Box(-width / 2, width / 2, 0.0, height)
@@ -82,7 +82,7 @@ def lay_out(nodes: Sequence[Node], sizes: Sequence[Size]) -> Layout:
 
 
 def _side_by_side(subtrees: Sequence[dict[int, Box]], roots: Sequence[int]) -> list[dict[int, Box]]:
-    """Move subtrees next to each other, their roots centred around 0."""
+    """Place subtrees next to each other, with their roots centred around 0."""
     placed: list[dict[int, Box]] = []
     for subtree in subtrees:
         shift = 0.0

@@ -1,4 +1,4 @@
-"""The way of one scene through a tree: which leaf decided, past which nodes, by which objects."""
+"""The path of one scene through a tree: the deciding leaf, the nodes above it, and the objects bound."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from relforest.trees.text import fresh_variables, leaf_summary, sentence
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class TreePath:
-    """What decided about one scene.
+    """How a tree decided about one scene.
 
     Parameters
     ----------
@@ -30,9 +30,9 @@ class TreePath:
     nodes : tuple of int
         Node indices from the root to the leaf.
     witnesses : tuple of (int, str or None)
-        Identifier of the object bound to each variable on the way, None = no object.
+        Identifier of the object bound to each variable on the path, None = no object.
     points : dict of int to (d,) float64
-        The point that each question on the way saw; NaN where it was undefined.
+        The point seen by each question on the path; NaN if undefined.
     """
 
     scene_id: Any
@@ -49,15 +49,15 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
     ----------
     tree : Tree
     scene : Scenes
-        A single scene of the tree's schema.
+        A single scene with the schema of the tree.
 
     Raises
     ------
     InputError
-        If there is not exactly one scene, or it has another schema.
+        If there is not exactly one scene, or it has a different schema.
     """
     if len(scene) != 1:
-        raise InputError(f"a path is of one scene, got {len(scene)}: pick one with scenes.take([position])")
+        raise InputError(f"expected a single scene, got {len(scene)}: select it with scenes.take([position])")
     answers = query(tree, scene)
     leaf, rows = int(answers.leaf[0]), answers.witnesses[0]
     nodes = _ancestors(tree, tree.leaves[leaf])
@@ -73,7 +73,7 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
 
 
 def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
-    """Return for each question the variables that are new there and range over objects."""
+    """Return, for each question, its new variables that range over objects."""
     new: dict[int, tuple[int, ...]] = {}
     run = [0] * len(tree.nodes)
     for index, node in enumerate(tree.nodes):
@@ -85,7 +85,7 @@ def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
 
 
 def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
-    """Return such as ``("A (passer) = p3", "B = p7")`` for the variables bound on a path."""
+    """Return the variables bound on a path as text, such as ``("A (passer) = p3", "B = p7")``."""
     parameters = tree.schema.parameters
     names = []
     for variable, witness in enumerate(path.witnesses):
@@ -97,7 +97,7 @@ def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
 
 
 def path_in_words(tree: Tree, path: TreePath) -> str:
-    """Tell the way of a scene: what was asked of which objects, each answer, and the leaf that decided."""
+    """Describe the path of a scene: the objects, each question and its answer, and the deciding leaf."""
     new = introduced(tree)
     decided = probability(float(tree.leaf_probabilities[path.leaf]))
     lines = [f"scene {path.scene_id}: probability {decided}, leaf {path.leaf}"]

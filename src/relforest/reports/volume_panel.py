@@ -1,4 +1,4 @@
-"""A question's decision volume as a picture, over the points that the question sees."""
+"""A picture of the decision volume of a question, over the points that the question sees."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from relforest.volumes import Arc, Ellipsoid, Volume
 from relforest.volumes.ellipsoid import LARGEST_VALUE
 
 MOST_POINTS: Final = 400
-"""Most points of either class in a picture."""
+"""Largest number of points per class in a picture."""
 
 _FILL: Final = mixed("#F0E442", 0.45)
 _FILL_EDGE: Final = "#8A7F00"
 _BINS: Final = 24
 _LABEL_WIDTH: Final = 2.0
 _LABEL: Final = 7.5
-# In units of what is shown: the renderer fails on shapes that reach much farther.
+# In units of the visible range: the renderer fails on shapes that extend much farther.
 _FAR: Final = 1e4
 _GRID: Final = 300
 
@@ -41,20 +41,20 @@ def draw_volume(
 ) -> None:
     """Draw a decision volume: an ellipse, an interval, or an arc of a circle.
 
-    Beyond two dimensions it is the interval of Mahalanobis distances within the radius.
+    Beyond two dimensions, draw the interval of Mahalanobis distances within the radius.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
     mapping : Mapping
-        Names the axes.
+        Used to label the axes.
     volume : Volume
     points : QuestionPoints, optional
-        What the question sees; positive and negative scenes differ in colour.
+        The points that the question sees; positive and negative scenes differ in colour.
     witness : (d,) float64, optional
-        A point to be marked; ignored if it is undefined or beyond any that can be learned from.
+        A point to mark; ignored if it is undefined or too large to learn from.
     """
-    # The negated test also finds what is undefined.
+    # The negated test also catches NaN.
     if witness is not None and not (np.abs(witness) <= LARGEST_VALUE).all():
         witness = None
     if points is not None:
@@ -125,7 +125,7 @@ def _add_ellipse(axes: Axes, volume: Ellipsoid) -> None:
 
 
 def _fill_inside(axes: Axes, volume: Ellipsoid, low: Points, high: Points) -> None:
-    """Fill what lies inside an ellipse that reaches much farther than the picture."""
+    """Fill the inside of an ellipse that extends far beyond the picture."""
     x, y = np.linspace(low, high, _GRID).T
     inside = volume.contains(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(_GRID, _GRID)
     image = np.where(inside[:, :, None], _FILL, (1.0, 1.0, 1.0))
@@ -134,13 +134,13 @@ def _fill_inside(axes: Axes, volume: Ellipsoid, low: Points, high: Points) -> No
 
 
 def _near(points: QuestionPoints, low: Points, high: Points) -> QuestionPoints:
-    """Return the points that the renderer can place: those not too far from what is shown."""
+    """Return the points that are not too far away for the renderer."""
     near = (np.abs(points.points - (low + high) / 2) <= _FAR * (high - low)).all(axis=1)
     return QuestionPoints(points.points[near], points.positive[near])
 
 
 def _show_undistorted(axes: Axes, low: Points, high: Points) -> None:
-    """Show at least the rectangle between two corners, with the same scale on both axes."""
+    """Show at least the rectangle between two corners, with equal scales on both axes."""
     room = axes.get_window_extent()
     scale = max((high[0] - low[0]) / room.width, (high[1] - low[1]) / room.height)
     middle, reach = (low + high) / 2, np.array([room.width, room.height]) * scale / 2
@@ -156,9 +156,9 @@ def _window(
     *,
     surroundings: float = 3.0,
 ) -> tuple[Points, Points]:
-    """Return the corners of what is shown: the volume, and its surroundings as far as there are points.
+    """Return the corners of the visible range: the volume, and its surroundings where there are points.
 
-    The surroundings reach at most so many times the half extents of the volume from its middle.
+    `surroundings` limits the distance from the middle of the volume, in units of its half extents.
     """
     low, high = mean - 1.15 * half, mean + 1.15 * half
     if points is not None and len(points):
@@ -168,13 +168,13 @@ def _window(
             np.maximum(outer[0] - margin, mean - surroundings * half),
             np.minimum(outer[1] + margin, mean + surroundings * half),
         )
-        # A volume may be so large that it amounts to an inequality; then its far end is of no interest.
+        # A volume may be so large that it acts as an inequality; its far end is then irrelevant.
         huge = half > 5.0 * (outer[1] - outer[0])
         low = np.where(huge, around[0], np.minimum(low, around[0]))
         high = np.where(huge, around[1], np.maximum(high, around[1]))
     if witness is not None:
         low, high = np.minimum(low, witness - 0.1 * half), np.maximum(high, witness + 0.1 * half)
-    # What is far from 0 must not be shown so narrowly that its bounds are the same number.
+    # Far from 0, the range must be wide enough for its bounds to be distinct numbers.
     size = np.maximum(np.abs(low), np.abs(high))
     flat, room = high - low <= 1e-9 * size, np.maximum(0.5, 1e-6 * size)
     return np.where(flat, low - room, low), np.where(flat, high + room, high)
@@ -221,7 +221,7 @@ def _draw_interval(
 
 
 def _shares(values: Points, edges: Points) -> Points:
-    """Return the share of the values in each bin: classes of any size can be compared."""
+    """Return the share of values in each bin, so that classes of any size can be compared."""
     counts, _ = np.histogram(values, edges)
     return counts / max(len(values), 1)
 
