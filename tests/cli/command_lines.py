@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -15,6 +16,9 @@ from relforest.cli.app import main
 
 N_SCENES = 40
 COLUMNS = ("--scene", "pass", "--object", "player", "--attribute", "extent=x")
+
+# What a slow machine, or one that has not compiled the kernels yet, says in between.
+_AT_TIMES = re.compile(r"^(compiling, .*|.* \(\d+ s\))\n", re.MULTILINE)
 
 
 @final
@@ -41,7 +45,7 @@ class CommandLine:
         except SystemExit as exit_:
             code = int(exit_.code or 0)
         printed = self._capsys.readouterr()
-        return Outcome(code, printed.out, printed.err)
+        return Outcome(code, printed.out, _AT_TIMES.sub("", printed.err))
 
 
 def passes(*, n_players: int = 3, seed: int = 0, **columns: list[Any]) -> pa.Table:

@@ -66,3 +66,10 @@ def test_a_terminal_that_cannot_move_its_cursor_gets_lines(monkeypatch: pytest.M
         report("growing trees", 1, 8)
 
     assert stream.getvalue() == ""
+
+
+def test_compiling_is_announced_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with working("loading"):
+        report("compiling, the first time only")
+
+    assert capsys.readouterr().err == "compiling, the first time only\n"

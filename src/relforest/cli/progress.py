@@ -11,7 +11,7 @@ from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING, Final, final
 
-from relforest.support.progress import Stage, listening
+from relforest.support.progress import COMPILING, Stage, listening
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -63,7 +63,7 @@ def _stderr() -> Console:
 
 @final
 class _Lines:
-    """Prints a report every ten seconds."""
+    """Prints a report every ten seconds, and that kernels are compiled at once."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -73,7 +73,9 @@ class _Lines:
     def hear(self, stage: Stage) -> None:
         now = monotonic()
         with self._lock:
-            if now - self._latest >= _SECONDS_BETWEEN_LINES:
+            if stage.name.startswith(COMPILING):
+                note(stage.name, self._console)
+            elif now - self._latest >= _SECONDS_BETWEEN_LINES:
                 self._latest = now
                 note(f"{stage} ({now - self._begin:.0f} s)", self._console)
 

@@ -23,7 +23,7 @@ import numba
 from numba.core.caching import FunctionCache, NullCache
 
 from relforest.support.files import content_digest
-from relforest.support.progress import is_heard, report
+from relforest.support.progress import COMPILING, is_heard, report
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -157,7 +157,7 @@ def _candidates(package: Path) -> Iterator[Path]:
 def _announce_compiling() -> None:
     """Report, once in a process, that kernels are being compiled, which may take a minute."""
     folder, reason = _cache_folder()
-    text = "compiling, the first time only" if folder else "compiling, without a cache"
+    text = f"{COMPILING}, the first time only" if folder else f"{COMPILING}, without a cache"
     if folder is None:
         _warn_of_missing_cache(reason)
     if is_heard():

@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from time import monotonic
 from typing import Final, TypeAlias, final
 
+COMPILING: Final = "compiling"
+"""How the name of the stage begins that is reported, once, when kernels are compiled."""
 _SECONDS_BETWEEN_LINES: Final = 1.0
 
 
