@@ -115,3 +115,8 @@ def test_the_decimal_mark_is_for_numbers_only() -> None:
 
     assert scenes.scene_ids.tolist() == ["1,5", "1.5"]
     assert scenes.matrix.tolist() == [[1.25], [2]]
+
+
+def test_a_header_that_is_not_utf8_is_refused_when_its_columns_are_read() -> None:
+    with pytest.raises(InputError, match=r"t\.csv is not UTF-8 text \(byte 0xe9 in line 1\): pass its"):
+        read(b"s,x\xe9\n1,2\n", ["s", "x\udce9"])

@@ -13,7 +13,7 @@ from relforest.scenes.arrow import ArrowTable
 from relforest.scenes.csv_rows import csv_rows, start_of_line, wrong_length
 from relforest.scenes.dialect import Dialect, detected_separator
 from relforest.scenes.number_columns import with_decimal
-from relforest.scenes.sources import decoded, utf8
+from relforest.scenes.sources import decoded, is_broken, utf8
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
@@ -37,6 +37,8 @@ class _CsvText:
 
     def load(self, chosen: Sequence[str]) -> ArrowTable:
         """Return columns as strings, exactly as written, with nulls for empty fields."""
+        if any(map(is_broken, chosen)):
+            decoded(self.data, "utf-8", self.origin)
         start = start_of_line(self.data, self.first_line)
         try:
             table = self._parse(start, chosen, _BLOCK)
