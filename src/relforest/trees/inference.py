@@ -11,6 +11,7 @@ import numpy as np
 
 from relforest.support.errors import InputError
 from relforest.support.parallel import checked_jobs
+from relforest.trees.boxes import FEWEST, make_boxes
 from relforest.trees.kernels import query_batch, query_work
 
 if TYPE_CHECKING:
@@ -74,16 +75,19 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
         np.empty((n, packed.n_variables), dtype=np.int64),
     )
 
+    # No scene has more objects than there are rows, and this is cheaper to see.
+    largest = int(scenes.counts.max()) if packed.boxed[0] > 0 and len(scenes.rows) > FEWEST else 0
     interrupted = Event()
 
     def answer(begin: int, end: int) -> None:
         part = slice(begin, end)
+        boxes = make_boxes(packed, largest) if largest > FEWEST else None
         work = query_work(packed.n_variables, packed.n_asked, packed.n_dims)
         columns = (scenes.rows, scenes.starts[part], scenes.counts[part], scenes.arguments[part])
         results = (out[0][part], out[1][part], out[2][part])
         done = 0
         while done < end - begin and not interrupted.is_set():
-            done = query_batch(packed.nodes, packed.numbers, scenes.matrix, columns, done, work, results)
+            done = query_batch(packed.nodes, packed.numbers, scenes.matrix, columns, done, work, results, boxes)
 
     n_jobs = checked_jobs(n_jobs)
     bounds = np.linspace(0, n, n_jobs + 1).astype(int)

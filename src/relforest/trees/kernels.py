@@ -9,6 +9,7 @@ import numpy as np
 
 from relforest.mappings.kernels import map_point, wrap_angle
 from relforest.support.jit import inlined, kernel
+from relforest.trees.boxes import Boxes, first_part, forget, next_place
 from relforest.trees.packing import (
     ATTRIBUTE_DIM,
     CHILDREN,
@@ -36,8 +37,10 @@ BOUND: Final = 0
 WITNESSES: Final = 1
 _NODE: Final = 2
 _ASKED: Final = 3
-_CURSOR: Final = 4
+_PLACE: Final = 4
 PAUSE: Final = 5
+_PART: Final = 6
+_BEST_PLACE: Final = 7
 
 _PATH: Final = 0
 BEST_PATH: Final = 1
@@ -66,14 +69,14 @@ class QueryWork(NamedTuple):
     visited before the search pauses; the rest of that row and the last row of `numbers` store its state.
     """
 
-    integers: NDArray[np.int64]  # (6, n_variables)
+    integers: NDArray[np.int64]  # (8, n_variables)
     numbers: NDArray[np.float64]  # (5, max(questions on a branch, n_variables, n_dims))
 
 
 def query_work(n_variables: int, n_asked: int, n_dims: int) -> QueryWork:
     """Return buffers large enough for trees of these sizes."""
     work = QueryWork(
-        np.full((6, max(n_variables, _STANDS + _N_STANDS)), -1, dtype=np.int64),
+        np.full((8, max(n_variables, _STANDS + _N_STANDS)), -1, dtype=np.int64),
         np.zeros((5, max(n_asked, n_variables, n_dims, 2))),
     )
     work.integers[PAUSE] = 0
@@ -125,6 +128,7 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     objects: NDArray[np.int64],
     arguments: NDArray[np.int64],
     work: QueryWork,
+    boxes: Boxes | None = None,
 ) -> int:
     """Return the ordinal of the leaf that decides a scene; see `QueryWork` for the other results.
 
@@ -136,6 +140,9 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     `nodes` and `numbers` hold one or several packed trees, the one to ask at row `root`; `objects` and
     `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`. When no steps remain,
     the search pauses and returns `UNFINISHED`; called again with the same arguments, it continues.
+
+    With `boxes`, which must have space for more objects than the tree has variables, objects are skipped that
+    cannot change the answer. Numba compiles the search twice, so that the one without is not slowed down.
     """
     state, floats = work.integers, work.numbers
     winner, best_rank, node, depth, asked = -1, nodes.shape[0], root, 0, 0
@@ -143,8 +150,10 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     steps = state[PAUSE, STEPS]
     if state[PAUSE, _PAUSED] == 1:
         (winner, best_rank, node, depth, asked), (best_total, total) = _resume(state, floats)
+    elif boxes is not None:
+        forget(boxes)
     while True:
-        if steps == 0:
+        if steps <= 0:
             _pause(state, floats, (winner, best_rank, node, depth, asked), (best_total, total))
             return UNFINISHED
         steps -= 1
@@ -161,20 +170,40 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
             if nodes[node, RANK] <= best_rank:
                 continue
         elif kind == INSTANTIATION:
-            state[_NODE, depth], state[_ASKED, depth], state[_CURSOR, depth] = node, asked, -1
-            floats[_TOTAL, depth] = total
-            depth += 1
-        elif nodes[node, RANK] < best_rank or total > best_total:
+            # Further densities only lower the sum.
+            if nodes[node, RANK] < best_rank or total >= best_total:
+                state[_NODE, depth], state[_ASKED, depth], state[_PLACE, depth] = node, asked, -1
+                floats[_TOTAL, depth] = total
+                if boxes is not None:
+                    state[_PART, depth] = first_part(nodes, node, best_rank, matrix, objects, arguments, boxes)
+                depth += 1
+        elif (
+            nodes[node, RANK] < best_rank
+            or total > best_total
+            or (boxes is not None and total == best_total and _order(state, depth) < 0)
+        ):
             winner, best_rank, best_total = nodes[node, ORDINAL], nodes[node, RANK], total
             _remember(state, floats, depth, asked)
+            if boxes is not None:
+                state[_BEST_PLACE] = state[_PLACE]
         # Go on with the next object of the innermost variable that has one left. This is not a function
         # because a third of the speed depends on it.
         while depth > 0:
             variable = depth - 1
-            above, place = state[_NODE, variable], state[_CURSOR, variable]
+            above, place = state[_NODE, variable], state[_PLACE, variable]
             found = place < 0
             if variable < len(arguments):
-                state[BOUND, variable], state[_CURSOR, variable] = arguments[variable], 0
+                state[BOUND, variable], state[_PLACE, variable] = arguments[variable], 0
+            elif boxes is not None and state[_PART, variable] >= 0:
+                bound_before, tie_wins = state[BOUND, :variable], _order(state, variable) <= 0
+                stand = (floats[_TOTAL, variable], best_rank, best_total, tie_wins)
+                place, state[_PART, variable], seen = next_place(
+                    nodes, numbers, above, state[_PART, variable], bound_before, matrix, objects, stand, boxes
+                )
+                steps -= seen
+                found = place >= 0
+                if found:
+                    state[BOUND, variable], state[_PLACE, variable] = objects[place], place
             else:
                 place += 1
                 while place < len(objects):
@@ -184,7 +213,7 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
                     if not repeated:
                         break
                     place += 1
-                state[BOUND, variable], state[_CURSOR, variable] = -1, place
+                state[BOUND, variable], state[_PLACE, variable] = -1, place
                 if place < len(objects):
                     state[BOUND, variable] = objects[place]
                     found = True
@@ -196,6 +225,15 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
         if depth == 0:
             state[PAUSE, STEPS] = steps
             return winner
+
+
+@kernel
+def _order(state: NDArray[np.int64], depth: int) -> int:
+    """Return -1, 0 or 1: the first variables bind objects earlier than, the same as or later than the best."""
+    for i in range(depth):
+        if state[_PLACE, i] != state[_BEST_PLACE, i]:
+            return -1 if state[_PLACE, i] < state[_BEST_PLACE, i] else 1
+    return 0
 
 
 @kernel
@@ -240,19 +278,24 @@ def query_batch(
     first: int,
     work: QueryWork,
     out: tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]],
+    boxes: Boxes | None,
 ) -> int:
     """Query the scenes of a batch from number `first`; return the number of the first scene left unanswered.
 
     That is the number of scenes, or less if `MOST_STEPS` did not suffice; called again with it as
     `first`, the search continues. `scenes` are the arrays (rows, starts, counts, arguments) of `Scenes`;
-    `out` receives leaf (n,), densities (n, questions on a branch) and witnesses (n, n_variables).
+    `out` receives leaf (n,), densities (n, questions on a branch) and witnesses (n, n_variables);
+    `boxes` are for scenes with more than `Boxes.fewest` objects.
     """
     rows, starts, counts, arguments = scenes
     leaf, densities, witnesses = out
     work.integers[PAUSE, STEPS] = MOST_STEPS
     for i in range(first, len(starts)):
         objects = rows[starts[i] : starts[i] + counts[i]]
-        winner = query_scene(nodes, numbers, 0, matrix, objects, arguments[i], work)
+        if boxes is not None and len(objects) > boxes.fewest:
+            winner = query_scene(nodes, numbers, 0, matrix, objects, arguments[i], work, boxes)
+        else:
+            winner = query_scene(nodes, numbers, 0, matrix, objects, arguments[i], work)
         if winner == UNFINISHED:
             return i
         leaf[i] = winner

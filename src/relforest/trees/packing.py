@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from relforest.mappings.operations import DIFFERENCE, DISTANCE, IDENTITY
 from relforest.trees.nodes import Instantiation, Leaf, Node, Question, children
 from relforest.volumes import Ellipsoid
 
@@ -31,7 +32,8 @@ CHILDREN: Final = 9  # three columns: yes, no, error; an instantiation's child i
 VOLUME: Final = 12  # where the volume begins in `numbers`
 RANK: Final = 13  # rank of the most probable leaf at or below this node, 0 = most probable of the tree
 ORDINAL: Final = 14  # a leaf's place among the leaves
-N_COLUMNS: Final = 15
+SLOT: Final = 15  # of an instantiation followed by a question that boxes answer: number of its attribute
+N_COLUMNS: Final = 16
 
 
 class PackedTree(NamedTuple):
@@ -45,6 +47,7 @@ class PackedTree(NamedTuple):
     n_variables: int
     n_asked: int  # most questions on a branch
     n_dims: int  # largest dimension of a codomain
+    boxed: tuple[int, int]  # attributes that boxes answer questions about, and their largest dimension
 
 
 def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
@@ -53,6 +56,8 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
     numbers: list[NDArray[np.float64]] = []
     bound, asked = np.zeros(len(nodes), dtype=np.int64), np.zeros(len(nodes), dtype=np.int64)
     used, ordinal = 0, 0
+    slots: dict[str, int] = {}
+    boxed_dim = 1
     ends = accumulate((attribute.dim for attribute in schema.attributes), initial=0)
     first = dict(zip(schema.names, ends, strict=False))
     for i, node in enumerate(nodes):
@@ -67,6 +72,11 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
                 ordinal += 1
             case Instantiation():
                 row[KIND] = INSTANTIATION
+                asked_next = nodes[node.child]
+                if isinstance(asked_next, Question) and _suits_boxes(asked_next, int(bound[i])):
+                    attribute = asked_next.mapping.attribute
+                    row[SLOT] = slots.setdefault(attribute.name, len(slots))
+                    boxed_dim = max(boxed_dim, attribute.dim)
             case Question():
                 _pack_question(node, first[node.mapping.attribute.name], row)
                 row[VOLUME] = used
@@ -79,6 +89,7 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
         int(bound.max()),
         int(asked.max()),
         max((node.mapping.dim for node in nodes if isinstance(node, Question)), default=1),
+        (len(slots), boxed_dim),
     )
 
 
@@ -98,6 +109,14 @@ def _volume_numbers(volume: Volume) -> NDArray[np.float64]:
         head = [volume.radius * volume.radius, volume.density_sharpness]
         return np.concatenate([head, volume.mean, volume.precision.ravel()])
     return np.array([volume.radius * volume.radius, volume.kappa, volume.mean, 1.0])
+
+
+def _suits_boxes(question: Question, variable: int) -> bool:
+    mapping, volume = question.mapping, question.volume
+    if mapping.rule.code not in (IDENTITY, DIFFERENCE, DISTANCE) or variable not in question.variables:
+        return False
+    # A matrix that is singular but for rounding defines no distance.
+    return isinstance(volume, Ellipsoid) and bool(np.linalg.cond(volume.precision) < 1e12)
 
 
 def _rank(nodes: tuple[Node, ...], table: NDArray[np.int64]) -> None:
