@@ -1,14 +1,16 @@
 """Boxes around the objects of one scene, which rule out many of them at once.
 
-For every attribute that a tree compares, the objects of a scene are split in halves again and again, and every
-part has a bounding box of its values. From a box follow bounds of the point that a question is about to ask,
-hence of the squared distance to the centre of its volume. If neither a more probable leaf nor a larger
-density can come of that, the whole part is skipped. The bounds hold for the numbers as `ask` computes them,
-rounding included, so the answer is that of the search that goes through all objects.
+For every attribute that a tree compares, the objects of a scene are split in halves again and again, and
+every part has a box, the ranges of its values. A box bounds the points that the next question will ask about,
+hence their distance from the centre of the volume. If neither a more probable leaf nor a larger density can
+come of that, the whole part is skipped. The bounds hold for the numbers that `ask` computes, rounding
+included, so the answer is that of the search through all objects.
 
-Covered is a variable whose instantiation is followed by a question about that very variable: identity,
-difference or distance of a Euclidean attribute of any dimension. With two variables and n objects, a question
-costs about n log(n) instead of n^2; it may take that much only where nearly all sequences lead to different leaves.
+Boxes help where a question follows the instantiation of one of its variables, asks for identity, difference
+or distance in a Euclidean attribute of any dimension, and its No cannot lead to a more probable leaf than the
+best so far. A question about two of n objects then costs about n log(n) instead of n^2. In the plane it is
+about n^1.5 if the centre is a circle (a distance other than zero), or if many pairs lie inside a volume
+whose outside wins.
 """
 
 from __future__ import annotations
@@ -40,31 +42,32 @@ if TYPE_CHECKING:
 FEWEST: Final = 32
 """Scenes of at most so many objects are searched one object after the other."""
 
-_SEARCHES: Final = 0
-_END: Final = 1
-
-# Splitting costs as much as a few searches through all objects.
+# Making boxes takes as long as a few searches through all objects.
 _PATIENCE: Final = 3
 
-# Larger values could overflow, and what is not a number cannot be compared with a bound.
+# Squares of larger values might overflow, and nothing follows from a bound that is not a number.
 _LARGEST: Final = 1e70
 
-
-# Per component; each rounding may err by 1.1e-16.
+# Allowance for each component of a point; every rounding errs by at most 1.1e-16.
 _ROUNDING: Final = 1e-15
+
+_SIZE: Final = 0
+_PLACE: Final = 1
+_ORDER: Final = 2
 
 
 class Boxes(NamedTuple):
     """Space for the boxes of one scene; the first axis counts the attributes that a tree compares.
 
-    Parts are numbered depth first, so that what follows a part is its halves, and those of part i
-    with m objects end before ``i + 2 * m - 1``. Objects with an undefined value are last, in parts of their own.
-    As n objects have at most 2n - 1 parts, the last entries are free for other purposes.
+    Parts are numbered depth first: a part of m objects is followed by its two halves, which end before
+    number ``2 * m - 1`` from it. Objects with an undefined value have parts of their own at the end. Since n
+    objects have at most ``2 * n - 1`` parts, the last entries are free: ``parts[slot, _SIZE, -1]`` counts the
+    searches, ``parts[slot, _PLACE, -1]`` is the number of parts, and ``corners[slot, -1]`` is scratch.
     """
 
-    parts: NDArray[np.int64]  # (n_slots, 3, 2 * n): number of objects; the only one's place; scratch
+    parts: NDArray[np.int64]  # (n_slots, 3, 2 * n): how many objects, the place of the only one, scratch
     corners: NDArray[np.float64]  # (n_slots, 2 * n, 2, dim): smallest and largest values, NaN = undefined
-    fewest: int  # scenes with at most so many objects are not split
+    fewest: int  # boxes are for scenes with more objects than this
 
 
 def make_boxes(packed: PackedTree, n_objects: int, fewest: int = FEWEST) -> Boxes:
@@ -81,7 +84,7 @@ def make_boxes(packed: PackedTree, n_objects: int, fewest: int = FEWEST) -> Boxe
 @kernel
 def forget(boxes: Boxes) -> None:
     """Forget the boxes of the scene before."""
-    boxes.parts[:, _SEARCHES, -1] = 0
+    boxes.parts[:, _SIZE, -1] = 0
 
 
 @kernel
@@ -89,75 +92,72 @@ def first_part(
     nodes: NDArray[np.int64],
     instantiation: int,
     best_rank: int,
-    matrix: NDArray[np.float64],
-    objects: NDArray[np.int64],
-    arguments: NDArray[np.int64],
+    scene: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]],
     boxes: Boxes,
 ) -> int:
-    """Return the part with which a search for the next variable begins: 0, or -1 to go through all objects.
+    """Return the part with which a search for the next variable begins, or -1 to go through all objects.
 
-    Boxes help only if objects outside the volume cannot lead to a more probable leaf any more.
+    `scene` is its matrix, the rows of its objects and those of the arguments.
     """
+    matrix, objects, arguments = scene
     slot, question = nodes[instantiation, SLOT], nodes[instantiation, CHILDREN]
     if slot < 0 or nodes[nodes[question, CHILDREN + 1], RANK] < best_rank:
         return -1
     parts = boxes.parts[slot]
-    parts[_SEARCHES, -1] += 1
-    if parts[_SEARCHES, -1] == _PATIENCE:
+    parts[_SIZE, -1] += 1
+    if parts[_SIZE, -1] == _PATIENCE:
         span = (nodes[question, FIRST], nodes[question, ATTRIBUTE_DIM])
-        parts[_END, -1] = 0
+        parts[_PLACE, -1] = 0
         if max(_largest(span, matrix, objects), _largest(span, matrix, arguments)) <= _LARGEST:
-            parts[_END, -1] = _split(span, matrix, objects, parts, boxes.corners[slot])
-    return 0 if parts[_SEARCHES, -1] >= _PATIENCE and parts[_END, -1] > 0 else -1
+            parts[_PLACE, -1] = _split(span, matrix, objects, parts, boxes.corners[slot])
+    return 0 if parts[_SIZE, -1] >= _PATIENCE and parts[_PLACE, -1] > 0 else -1
 
 
 @kernel
 def next_place(
-    nodes: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    tree: tuple[NDArray[np.int64], NDArray[np.float64]],
     instantiation: int,
     part: int,
     bound: NDArray[np.int64],
-    matrix: NDArray[np.float64],
-    objects: NDArray[np.int64],
-    stand: tuple[float, int, float, bool],
+    scene: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]],
+    stand: tuple[float, tuple[int, float, bool]],
     boxes: Boxes,
 ) -> tuple[int, int, int]:
     """Return the place of the next object worth asking about (-1 = none), the part after it, and parts seen.
 
-    `bound` are the object rows of the variables so far; `stand` is the sum of log densities so far,
-    the rank of the best leaf found, its sum, and whether an equal sum may come earlier in the order of sequences.
+    `tree` is its nodes and numbers, `bound` the object rows of the variables so far, `scene` as for
+    `first_part`, `stand` the sum of log densities so far, and the best so far as `_may_win` takes it.
     """
+    nodes, numbers = tree
+    matrix, objects, _ = scene
     slot, question = nodes[instantiation, SLOT], nodes[instantiation, CHILDREN]
-    total, best_rank, best_total, tie_wins = stand
-    children = nodes[question, CHILDREN : CHILDREN + 3]
-    ranks = (nodes[children[0], RANK], nodes[children[1], RANK], nodes[children[2], RANK])
+    total, best = stand
+    yes, no, error = nodes[question, CHILDREN], nodes[question, CHILDREN + 1], nodes[question, CHILDREN + 2]
+    ranks = (nodes[yes, RANK], nodes[no, RANK], nodes[error, RANK])
     squared_radius = numbers[nodes[question, VOLUME]]
-    sharpness = numbers[nodes[question, VOLUME] + 1]
-    a, b = nodes[question, VARIABLES], nodes[question, VARIABLES + 1]
+    slope = -0.5 * numbers[nodes[question, VOLUME] + 1]
+    is_first = nodes[question, VARIABLES] == len(bound)
     other = -1
     if nodes[question, OPERATION] != IDENTITY:
-        other = bound[b] if a == len(bound) else bound[a]
-    sizes, places = boxes.parts[slot, 0], boxes.parts[slot, 1]
-    end, seen = boxes.parts[slot, _END, -1], 0
-    while part < end:
+        other = bound[nodes[question, VARIABLES + 1]] if is_first else bound[nodes[question, VARIABLES]]
+    parts, corners = boxes.parts[slot], boxes.corners[slot]
+    seen = 0
+    while part < parts[_PLACE, -1]:
         seen += 1
-        low, high = _squared_distances(nodes, question, numbers, matrix, other, a == len(bound), boxes, slot, part)
+        low, high = _squared_distances(tree, question, matrix, (other, is_first), corners, part)
         if math.isnan(low):
-            hopeful = _may_win(ranks[2], total, best_rank, best_total, tie_wins)
+            may_win = _may_win(ranks[2], total, best)
         else:
-            inside = total - 0.5 * sharpness * low
-            outside = total - 0.5 * sharpness * max(low, squared_radius)
-            hopeful = (
-                low <= squared_radius and _may_win(ranks[0], inside, best_rank, best_total, tie_wins)
-            ) or (high > squared_radius and _may_win(ranks[1], outside, best_rank, best_total, tie_wins))
-        size = sizes[part]
-        if not hopeful:
+            may_win = low <= squared_radius and _may_win(ranks[0], total + slope * low, best)
+            if not may_win and high > squared_radius:
+                may_win = _may_win(ranks[1], total + slope * max(low, squared_radius), best)
+        size = parts[_SIZE, part]
+        if not may_win:
             part += 2 * size - 1
             continue
         part += 1
         if size == 1:
-            place, repeated = places[part - 1], False
+            place, repeated = parts[_PLACE, part - 1], False
             for earlier in bound:
                 repeated |= earlier == objects[place]
             if not repeated:
@@ -166,76 +166,73 @@ def next_place(
 
 
 @inlined
-def _may_win(rank: int, total: float, best_rank: int, best_total: float, tie_wins: bool) -> bool:
-    """Whether a leaf of at best this rank and this sum of log densities may replace the best so far."""
+def _may_win(rank: int, total: float, best: tuple[int, float, bool]) -> bool:
+    """Whether a sequence may replace the best if it has at best this rank and this sum of log densities.
+
+    `best` is the rank and the sum of the best, and whether an equal sum would win, being earlier in order.
+    """
+    best_rank, best_total, ties_win = best
     return rank < best_rank or (
-        rank == best_rank and (total > best_total or (tie_wins and total == best_total))
+        rank == best_rank and (total > best_total or (ties_win and total == best_total))
     )
 
 
 @inlined
 def _squared_distances(
-    nodes: NDArray[np.int64],
+    tree: tuple[NDArray[np.int64], NDArray[np.float64]],
     question: int,
-    numbers: NDArray[np.float64],
     matrix: NDArray[np.float64],
-    other: int,
-    is_first: bool,
-    boxes: Boxes,
-    slot: int,
+    pair: tuple[int, bool],
+    corners: NDArray[np.float64],
     part: int,
 ) -> tuple[float, float]:
-    """Return bounds of the squared distance to a volume's centre within a box; NaN if undefined.
+    """Return bounds of the squared distance to a volume's centre within the box of a part; NaN if undefined.
 
-    `other` is the row of the object that the question compares with the one in the box, which `is_first`
-    of the two. Every step towards the point is one of `ask`, and rounding preserves order.
+    `pair` is the row of the other object in the question, and whether the one in the box comes first.
     """
-    corners, point = boxes.corners, boxes.corners[slot, -1]
+    nodes, numbers = tree
+    other, is_first = pair
     operation, first = nodes[question, OPERATION], nodes[question, FIRST]
     mean, dim = nodes[question, VOLUME] + 2, nodes[question, DIM]
-    precision = mean + dim
-    if operation != IDENTITY and other < 0:
-        return np.nan, np.nan
-    least, most = 0.0, 0.0
-    for i in range(nodes[question, ATTRIBUTE_DIM]):
-        low, high = corners[slot, part, 0, i], corners[slot, part, 1, i]
+    scratch, low_sum, high_sum = len(corners) - 1, 0.0, 0.0
+    is_defined = operation == IDENTITY or other >= 0
+    # Offsets from the centre. Every step is one of `ask`, and rounding keeps numbers in order.
+    for i in range(nodes[question, ATTRIBUTE_DIM] if is_defined else 0):
+        low, high = corners[part, 0, i], corners[part, 1, i]
         if operation != IDENTITY:
             value = matrix[other, first + i]
             low, high = (value - high, value - low) if is_first else (low - value, high - value)
-        if math.isnan(low):
-            return np.nan, np.nan
+        is_defined &= not math.isnan(low)
         if operation == DISTANCE:
             near, far = max(low, -high, 0.0), max(-low, high)
-            least += near * near
-            most += far * far
+            low_sum += near * near
+            high_sum += far * far
         else:
             low, high = low - numbers[mean + i], high - numbers[mean + i]
-            point[0, i], point[1, i] = 0.5 * (low + high), 0.5 * (high - low)
+            corners[scratch, 0, i], corners[scratch, 1, i] = 0.5 * (low + high), 0.5 * (high - low)
     if operation == DISTANCE:
-        low, high = math.sqrt(least) - numbers[mean], math.sqrt(most) - numbers[mean]
-        point[0, 0], point[1, 0] = 0.5 * (low + high), 0.5 * (high - low)
-    # By the triangle inequality, a distance differs from the one of the box's middle by at most the
-    # length of half a diagonal.
+        low, high = math.sqrt(low_sum) - numbers[mean], math.sqrt(high_sum) - numbers[mean]
+        corners[scratch, 0, 0], corners[scratch, 1, 0] = 0.5 * (low + high), 0.5 * (high - low)
+    # By the triangle inequality, no distance differs from that of the box's middle by more than the longest
+    # half diagonal.
     middle, half, error = 0.0, 0.0, 0.0
     for i in range(dim):
-        a, b = point[0, i], point[1, i]
+        a, b = corners[scratch, 0, i], corners[scratch, 1, i]
         for j in range(dim):
-            c, d = point[0, j], point[1, j]
-            factor = numbers[precision + i * dim + j]
+            c, d = corners[scratch, 0, j], corners[scratch, 1, j]
+            factor = numbers[mean + dim + i * dim + j]
             middle += factor * a * c
             half += abs(factor) * b * d
             error += abs(factor) * (abs(a) + b) * (abs(c) + d)
     error *= _ROUNDING * (dim + 10)
     half = math.sqrt(half)
     low = max(math.sqrt(max(middle - error, 0.0)) - half, 0.0)
-    high = math.sqrt(middle + error) + half
-    return low * low - error, high * high + error
+    high = math.sqrt(max(middle, 0.0) + error) + half
+    return (low * low - error, high * high + error) if is_defined else (np.nan, np.nan)
 
 
 @kernel
-def _largest(
-    span: tuple[int, int], matrix: NDArray[np.float64], rows: NDArray[np.int64]
-) -> float:
+def _largest(span: tuple[int, int], matrix: NDArray[np.float64], rows: NDArray[np.int64]) -> float:
     """Return the largest absolute value of an attribute in some rows, -1 = none."""
     first, dim = span
     largest = 0.0
@@ -255,9 +252,40 @@ def _split(
     parts: NDArray[np.int64],
     corners: NDArray[np.float64],
 ) -> int:
-    """Write the parts of the objects and their boxes; return how many there are."""
+    """Write the parts of the objects and their boxes; return how many parts there are."""
+    order = parts[_ORDER]
+    n_defined = _defined_first(span, matrix, objects, order)
+    end = 0
+    for begin, size in ((0, n_defined), (n_defined, len(objects) - n_defined)):
+        if size > 0:
+            parts[_SIZE, end], parts[_PLACE, end] = size, begin
+            end += 2 * size - 1
+    for part in range(end):
+        # Until it is split, a part says in the place of its object where it begins in the order.
+        size, begin = parts[_SIZE, part], parts[_PLACE, part]
+        chosen = order[begin : begin + size]
+        axis = _enclose(span, matrix, objects, chosen, corners[part])
+        if begin >= n_defined:
+            corners[part] = np.nan
+        if size == 1:
+            parts[_PLACE, part] = chosen[0]
+        else:
+            middle = 0.5 * (corners[part, 0, axis] + corners[part, 1, axis])
+            half = _divide(matrix[:, span[0] + axis], objects, chosen, middle)
+            parts[_SIZE, part + 1], parts[_PLACE, part + 1] = half, begin
+            parts[_SIZE, part + 2 * half], parts[_PLACE, part + 2 * half] = size - half, begin + half
+    return end
+
+
+@kernel
+def _defined_first(
+    span: tuple[int, int],
+    matrix: NDArray[np.float64],
+    objects: NDArray[np.int64],
+    order: NDArray[np.int64],
+) -> int:
+    """Write the places of all objects, those with an undefined value last; return how many are defined."""
     first, dim = span
-    sizes, begins, order = parts[0], parts[1], parts[2]
     defined, undefined = 0, len(objects)
     for place in range(len(objects)):
         total = 0.0
@@ -269,38 +297,42 @@ def _split(
         else:
             order[defined] = place
             defined += 1
-    end = 0
-    for begin, size in ((0, defined), (defined, len(objects) - defined)):
-        if size > 0:
-            sizes[end], begins[end] = size, begin
-            end += 2 * size - 1
-    for part in range(end):
-        begin, size = begins[part], sizes[part]
-        widest, axis = -1.0, 0
-        for i in range(dim):
-            low = high = matrix[objects[order[begin]], first + i]
-            for at in range(begin + 1, begin + size):
-                value = matrix[objects[order[at]], first + i]
-                low, high = min(low, value), max(high, value)
-            corners[part, 0, i], corners[part, 1, i] = low, high
-            if high - low > widest:
-                widest, axis = high - low, i
-        if begin >= defined:
-            corners[part, 0, :] = np.nan
-        if size == 1:
-            begins[part] = order[begin]
-            continue
-        middle = corners[part, 0, axis] + 0.5 * widest
-        left, right = begin, begin + size
-        while left < right:
-            if matrix[objects[order[left]], first + axis] <= middle:
-                left += 1
-            else:
-                right -= 1
-                order[left], order[right] = order[right], order[left]
-        half = left - begin
-        if half in (0, size):
-            half = size // 2
-        sizes[part + 1], begins[part + 1] = half, begin
-        sizes[part + 2 * half], begins[part + 2 * half] = size - half, begin + half
-    return end
+    return defined
+
+
+@kernel
+def _enclose(
+    span: tuple[int, int],
+    matrix: NDArray[np.float64],
+    objects: NDArray[np.int64],
+    chosen: NDArray[np.int64],
+    corners: NDArray[np.float64],
+) -> int:
+    """Write the box of the objects at the chosen places; return its longest axis."""
+    first, dim = span
+    widest, axis = -1.0, 0
+    for i in range(dim):
+        low, high = np.inf, -np.inf
+        for place in chosen:
+            value = matrix[objects[place], first + i]
+            low, high = min(low, value), max(high, value)
+        corners[0, i], corners[1, i] = low, high
+        if high - low > widest:
+            widest, axis = high - low, i
+    return axis
+
+
+@kernel
+def _divide(
+    values: NDArray[np.float64], objects: NDArray[np.int64], chosen: NDArray[np.int64], middle: float
+) -> int:
+    """Sort places into those with values up to the middle and the others; return how many are first."""
+    left, right = 0, len(chosen)
+    while left < right:
+        if values[objects[chosen[left]]] <= middle:
+            left += 1
+        else:
+            right -= 1
+            chosen[left], chosen[right] = chosen[right], chosen[left]
+    # Objects in the same place cannot be told apart.
+    return left if 0 < left < len(chosen) else len(chosen) // 2

@@ -81,13 +81,15 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
 
     def answer(begin: int, end: int) -> None:
         part = slice(begin, end)
-        boxes = make_boxes(packed, largest) if largest > FEWEST else None
+        boxes = make_boxes(packed, largest, FEWEST) if largest > FEWEST else None
         work = query_work(packed.n_variables, packed.n_asked, packed.n_dims)
         columns = (scenes.rows, scenes.starts[part], scenes.counts[part], scenes.arguments[part])
         results = (out[0][part], out[1][part], out[2][part])
         done = 0
         while done < end - begin and not interrupted.is_set():
-            done = query_batch(packed.nodes, packed.numbers, scenes.matrix, columns, done, work, results, boxes)
+            done = query_batch(
+                packed.nodes, packed.numbers, scenes.matrix, columns, done, work, results, boxes
+            )
 
     n_jobs = checked_jobs(n_jobs)
     bounds = np.linspace(0, n, n_jobs + 1).astype(int)

@@ -1,4 +1,8 @@
-"""Compiled evaluation of trees: one scene at a time, depth first, without allocation."""
+"""Compiled evaluation of trees: one scene at a time, depth first, without allocation.
+
+The first variables of a sequence belong to the action's arguments. Later ones go through all objects not yet
+in the sequence, or are bound to "no object" once if there is none.
+"""
 
 from __future__ import annotations
 
@@ -58,6 +62,7 @@ MOST_STEPS: Final = 200_000
 """Most nodes visited in one call, a few milliseconds: Python can be interrupted between calls."""
 
 UNFINISHED: Final = -1
+"""Instead of a leaf, when no steps remain: called again with the same arguments, the search continues."""
 
 
 class QueryWork(NamedTuple):
@@ -130,64 +135,47 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
     work: QueryWork,
     boxes: Boxes | None = None,
 ) -> int:
-    """Return the ordinal of the leaf that decides a scene; see `QueryWork` for the other results.
+    """Return the ordinal of the leaf that decides a scene, or `UNFINISHED`; the other results are in `work`.
 
-    Of all instantiation sequences those in the most probable leaf count, and of these the one with the
-    largest product of densities (sections 4.1 and 6.4). Branches that cannot reach a leaf as probable as
-    the best so far are skipped. The first variables belong to the action's arguments; later ones go
-    through all objects not yet in the sequence, or are bound to "no object" once if there is none.
-
-    `nodes` and `numbers` hold one or several packed trees, the one to ask at row `root`; `objects` and
-    `arguments` are rows of `matrix`, -1 = none; `work` comes from `query_work`. When no steps remain,
-    the search pauses and returns `UNFINISHED`; called again with the same arguments, it continues.
-
-    With `boxes`, which must have space for more objects than the tree has variables, objects are skipped that
-    cannot change the answer. Numba compiles the search twice, so that the one without is not slowed down.
+    Of all instantiation sequences those in the most probable leaf count, and of these the first with the
+    largest product of densities (sections 4.1 and 6.4). What cannot win any more is skipped: branches, and
+    with `boxes` also objects. `nodes` and `numbers` hold one or several packed trees, the one to ask at row
+    `root`; `objects` and `arguments` are rows of `matrix`, -1 = none.
     """
     state, floats = work.integers, work.numbers
+    tree, scene = (nodes, numbers), (matrix, objects, arguments)
     winner, best_rank, node, depth, asked = -1, nodes.shape[0], root, 0, 0
-    best_total, total = -np.inf, 0.0
-    steps = state[PAUSE, STEPS]
+    best_total, total, steps = -np.inf, 0.0, state[PAUSE, STEPS]
     if state[PAUSE, _PAUSED] == 1:
         (winner, best_rank, node, depth, asked), (best_total, total) = _resume(state, floats)
-    elif boxes is not None:
+    elif boxes is not None:  # compiled separately, so that a search without boxes pays nothing for them
         forget(boxes)
     while True:
         if steps <= 0:
             _pause(state, floats, (winner, best_rank, node, depth, asked), (best_total, total))
             return UNFINISHED
         steps -= 1
-        kind = nodes[node, KIND]
+        kind, rank = nodes[node, KIND], nodes[node, RANK]
         if kind == QUESTION:
             a, b, c = nodes[node, VARIABLES], nodes[node, VARIABLES + 1], nodes[node, VARIABLES + 2]
             bound = (state[BOUND, a], state[BOUND, b] if b >= 0 else -1, state[BOUND, c] if c >= 0 else -1)
             answer, density = ask(nodes, node, numbers, matrix, bound, floats, _POINT)
             floats[_PATH, asked] = density
-            if answer != ERROR:
-                total += density
-            asked += 1
-            node = nodes[node, CHILDREN + answer]
+            total += density if answer != ERROR else 0.0
+            asked, node = asked + 1, nodes[node, CHILDREN + answer]
             if nodes[node, RANK] <= best_rank:
                 continue
         elif kind == INSTANTIATION:
-            # Further densities only lower the sum.
-            if nodes[node, RANK] < best_rank or total >= best_total:
+            if rank < best_rank or total >= best_total:  # further densities only lower the sum
                 state[_NODE, depth], state[_ASKED, depth], state[_PLACE, depth] = node, asked, -1
                 floats[_TOTAL, depth] = total
                 if boxes is not None:
-                    state[_PART, depth] = first_part(nodes, node, best_rank, matrix, objects, arguments, boxes)
+                    state[_PART, depth] = first_part(nodes, node, best_rank, scene, boxes)
                 depth += 1
-        elif (
-            nodes[node, RANK] < best_rank
-            or total > best_total
-            or (boxes is not None and total == best_total and _order(state, depth) < 0)
-        ):
-            winner, best_rank, best_total = nodes[node, ORDINAL], nodes[node, RANK], total
+        elif rank < best_rank or total > best_total or _wins_tie(state, depth, total == best_total, boxes):
+            winner, best_rank, best_total = nodes[node, ORDINAL], rank, total
             _remember(state, floats, depth, asked)
-            if boxes is not None:
-                state[_BEST_PLACE] = state[_PLACE]
-        # Go on with the next object of the innermost variable that has one left. This is not a function
-        # because a third of the speed depends on it.
+        # Bind the innermost variable that has objects left. Not a function: a third of the speed is at stake.
         while depth > 0:
             variable = depth - 1
             above, place = state[_NODE, variable], state[_PLACE, variable]
@@ -195,15 +183,8 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
             if variable < len(arguments):
                 state[BOUND, variable], state[_PLACE, variable] = arguments[variable], 0
             elif boxes is not None and state[_PART, variable] >= 0:
-                bound_before, tie_wins = state[BOUND, :variable], _order(state, variable) <= 0
-                stand = (floats[_TOTAL, variable], best_rank, best_total, tie_wins)
-                place, state[_PART, variable], seen = next_place(
-                    nodes, numbers, above, state[_PART, variable], bound_before, matrix, objects, stand, boxes
-                )
-                steps -= seen
-                found = place >= 0
-                if found:
-                    state[BOUND, variable], state[_PLACE, variable] = objects[place], place
+                stand = (variable, best_rank, best_total)
+                found, steps = _bind_by_boxes(tree, state, floats, stand, scene, steps, boxes)
             else:
                 place += 1
                 while place < len(objects):
@@ -211,12 +192,11 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
                     for earlier in range(variable):
                         repeated |= state[BOUND, earlier] == objects[place]
                     if not repeated:
+                        found = True
                         break
                     place += 1
-                state[BOUND, variable], state[_PLACE, variable] = -1, place
-                if place < len(objects):
-                    state[BOUND, variable] = objects[place]
-                    found = True
+                state[BOUND, variable] = objects[place] if place < len(objects) else -1
+                state[_PLACE, variable] = place
             if found:
                 node = nodes[above, CHILDREN]
                 asked, total = state[_ASKED, variable], floats[_TOTAL, variable]
@@ -228,8 +208,36 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
 
 
 @kernel
+def _bind_by_boxes(
+    tree: tuple[NDArray[np.int64], NDArray[np.float64]],
+    state: NDArray[np.int64],
+    floats: NDArray[np.float64],
+    stand: tuple[int, int, float],
+    scene: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]],
+    steps: int,
+    boxes: Boxes,
+) -> tuple[bool, int]:
+    """Bind a variable to the next object that boxes leave; return whether there is one and the steps left."""
+    variable, best_rank, best_total = stand
+    best = (best_rank, best_total, _order(state, variable) <= 0)
+    above, part, before = state[_NODE, variable], state[_PART, variable], state[BOUND, :variable]
+    total = floats[_TOTAL, variable]
+    place, part, seen = next_place(tree, above, part, before, scene, (total, best), boxes)
+    state[_PART, variable] = part
+    if place >= 0:
+        state[BOUND, variable], state[_PLACE, variable] = scene[1][place], place
+    return place >= 0, steps - seen
+
+
+@kernel
+def _wins_tie(state: NDArray[np.int64], depth: int, is_tie: bool, boxes: Boxes | None) -> bool:
+    """Whether a sequence as good as the best replaces it; without boxes, the best always comes first."""
+    return boxes is not None and is_tie and _order(state, depth) < 0
+
+
+@kernel
 def _order(state: NDArray[np.int64], depth: int) -> int:
-    """Return -1, 0 or 1: the first variables bind objects earlier than, the same as or later than the best."""
+    """Return -1, 0 or 1: the first variables bind objects before those of the best, the same, or later."""
     for i in range(depth):
         if state[_PLACE, i] != state[_BEST_PLACE, i]:
             return -1 if state[_PLACE, i] < state[_BEST_PLACE, i] else 1
@@ -267,6 +275,7 @@ def _remember(state: NDArray[np.int64], floats: NDArray[np.float64], depth: int,
         floats[BEST_PATH, i] = floats[_PATH, i] if i < asked else -np.inf
     for i in range(state.shape[1]):
         state[WITNESSES, i] = state[BOUND, i] if i < depth else -1
+        state[_BEST_PLACE, i] = state[_PLACE, i]
 
 
 @kernel

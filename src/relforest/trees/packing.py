@@ -72,9 +72,11 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
                 ordinal += 1
             case Instantiation():
                 row[KIND] = INSTANTIATION
-                asked_next = nodes[node.child]
-                if isinstance(asked_next, Question) and _suits_boxes(asked_next, int(bound[i])):
-                    attribute = asked_next.mapping.attribute
+                question, variable = nodes[node.child], int(bound[i])
+                # The first free variable is searched for only once.
+                is_repeated = variable > schema.n_parameters
+                if is_repeated and isinstance(question, Question) and _suits_boxes(question, variable):
+                    attribute = question.mapping.attribute
                     row[SLOT] = slots.setdefault(attribute.name, len(slots))
                     boxed_dim = max(boxed_dim, attribute.dim)
             case Question():
