@@ -238,6 +238,9 @@ def test_packed_sizes() -> None:
     packed = two_level_tree().packed
 
     assert (packed.n_variables, packed.n_asked, packed.n_dims) == (2, 2, 2)
+    assert near_tree(plane()).packed.boxed == (1, 2)
+    # Only B is free, and searched for once.
+    assert near_tree(plane("passer")).packed.boxed == (0, 1)
     # Squared radius, sharpness, mean and precision: 2 + 2 + 4 and 2 + 1 + 1 numbers.
     assert len(packed.numbers) == 12
     assert packed.numbers[:4].tolist() == [1, 1, 0, 0]
