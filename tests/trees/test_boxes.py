@@ -136,9 +136,8 @@ def test_more_objects_than_the_threshold() -> None:
 
 
 def test_of_equal_pairs_the_first_in_the_order_of_objects_wins() -> None:
-    # Boxes are made for the third A. The fourth has a B on either side, and the left one is looked at first.
-    far = [(100.0, 0.0), (200.0, 0.0), (300.0, 0.0)]
-    scenes = scenes_in(plane(), [[*far, (0.0, 0.0), (1.0, 0.0), (-1.0, 0.0)]])
+    # Boxes are made for the third A. The fourth has two B in the same place, and the last is looked at first.
+    scenes = scenes_in(plane(), [[(100.0, 0.0), (200.0, 0.0), (300.0, 0.0), *[(0.0, 0.0)] * 3]])
 
     assert search(near_tree(plane()), scenes, 0, boxed=True)[1][:2] == [3, 4]
     check(near_tree(plane()), scenes)
