@@ -16,7 +16,7 @@ from . import (
 )
 from .mil import CovAggClassifier
 from .rl import SMRFRPI
-from .scenes import Attribute, Scenes, Schema
+from .scenes import Attribute, Scenes, Schema, iter_scene_batches
 from .support.progress import Stage, listening
 from .trees import SMRFTreeClassifier, Tree
 from .worlds import ENVIRONMENT_IDS
@@ -35,6 +35,7 @@ __all__ = [
     "Tree",
     "datasets",
     "experiments",
+    "iter_scene_batches",
     "listening",
     "mappings",
     "metrics",
