@@ -73,11 +73,8 @@ def check_options(options: Any, arguments: Sequence[str]) -> None:  # noqa: ANN4
             # A pattern, such as data/*.parquet, is no file; the command says if nothing matches it.
             if name != "table" or _WILD.isdisjoint(str(path)):
                 _check_present(path)
-        elif (
-            name == "out"
-            and "force" in given
-            and not (path.is_dir() and getattr(options, "OUT_MAY_BE_FOLDER", False))
-        ):
+        # A folder may be what is wanted; otherwise, the command refuses it.
+        elif name == "out" and "force" in given and not path.is_dir():
             check_free(path, force=given["force"])
 
 

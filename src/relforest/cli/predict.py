@@ -9,7 +9,7 @@ import csv
 import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar, final
+from typing import TYPE_CHECKING, Annotated, final
 
 from tyro.conf import Positional, arg
 
@@ -58,8 +58,6 @@ class PredictOptions:
     force
         Replace output files that exist.
     """
-
-    OUT_MAY_BE_FOLDER: ClassVar = True
 
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
     table: Annotated[Positional[Path], arg(metavar="TABLE")]
