@@ -33,7 +33,8 @@ PARQUET_SUFFIXES: Final = (".parquet", ".pq")
 
 _ALLOWED_BYTES: Final = 2**28
 _ALLOWED_RATIO: Final = 1000
-_STREAM_BUFFER: Final = 2**16
+_BUFFER_BYTES: Final = 2**16
+_BUFFERED_FROM: Final = 2**25
 # Whatever pyarrow may raise for a damaged file.
 _BROKEN: Final = (
     ArithmeticError,
@@ -109,8 +110,9 @@ class ParquetFile:
 
     def blocks(self, chosen: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
         """Yield columns as `load` returns them, at most `n_rows` rows at a time, with no more in memory."""
-        # With these options, pyarrow reads page by page instead of a row group, which may be the whole file.
-        options = {"pre_buffer": False, "buffer_size": _STREAM_BUFFER}
+        # pyarrow reads a row group, which may be the whole file, but with these options page by page. It then
+        # believes a damaged page that claims to have gigabytes, so small files are better read without.
+        options = {"pre_buffer": False, "buffer_size": _BUFFER_BYTES} if self.size >= _BUFFERED_FROM else {}
         with self.opened(self._texts(chosen), **options) as file:
             for batch in file.iter_batches(n_rows, columns=list(chosen)):
                 yield self._plain(pa.Table.from_batches([batch]).select(list(chosen)))
