@@ -45,7 +45,8 @@ def parquet_output(table: Path, out: Path | None) -> Path | None:
         return out
     if is_pattern(table):
         raise InputError(
-            f"{table} is a pattern: write its predictions to a folder or .parquet file with --out"
+            f"{table} is a pattern: write its predictions to a .parquet file, or to a folder whose name has "
+            "no suffix, with --out"
         )
     return None
 
