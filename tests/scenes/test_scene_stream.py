@@ -81,6 +81,7 @@ def test_batches_hold_the_scenes_of_the_whole_table_in_order(
     cuts = sorted(min(cut, len(table)) for cut in cuts)
     folder = write_parts(tmp_path / "parts", table, cuts, row_group_size=group)
     expected = Scenes.from_frame(table, **COLUMNS)
+    assert len(list(iter_scene_batches(folder, **COLUMNS))) <= 2 * len(cuts) + 1
     batches = list(iter_scene_batches(folder, label="good", batch_size=batch_size, **COLUMNS))
 
     assert dicts([scenes for scenes, _ in batches]) == expected.to_dicts()
@@ -241,7 +242,7 @@ def test_a_pattern_must_match(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("column", "values", "message"),
     [
-        ("s", [5, 5, 6, None], r"row 0 lacks a scene id \(column 's'\) \(in .*t.parquet; .* its row 3\)"),
+        ("s", [5, 5, 6, None], r"row 1 lacks a scene id \(column 's'\) \(in .*t.parquet; .* its row 2\)"),
         ("x", [0.5, 1.5, np.inf, 0.5], r"'x' is infinite in scene 6, .*; rows are counted from its row 2\)"),
         ("good", [True, False, True, True], "'good' has the values True and False in scene 5"),
     ],
@@ -252,7 +253,7 @@ def test_bad_rows_are_located(column: str, values: list[Any], message: str, tmp_
     parquet.write_table(table, tmp_path / "t.parquet")
 
     with pytest.raises(InputError, match=message):
-        list(iter_scene_batches(tmp_path / "t.parquet", label="good", batch_size=3, **COLUMNS))
+        list(iter_scene_batches(tmp_path / "t.parquet", label="good", batch_size=2, **COLUMNS))
 
 
 def test_progress_is_reported_in_rows(tmp_path: Path) -> None:

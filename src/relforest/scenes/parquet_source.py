@@ -152,10 +152,12 @@ def _opened(path: Path) -> SourceFile:
 
 
 def _tables(file: SourceFile, columns: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
-    if not is_own(file.table):
-        return file.stored.blocks(columns, n_rows)
-    blocks = _in_blocks(file.stored.blocks(columns, BLOCK_ROWS), BLOCK_ROWS)
-    return _in_blocks(_unchanged(file.table, blocks), n_rows)
+    if is_own(file.table):
+        tables = _unchanged(file.table, _in_blocks(file.stored.blocks(columns, BLOCK_ROWS), BLOCK_ROWS))
+    else:
+        tables = file.stored.blocks(columns, n_rows)
+    # What pyarrow returns ends with every row group.
+    return _in_blocks(tables, n_rows)
 
 
 def _unchanged(file: TableFile, blocks: Iterable[ArrowTable]) -> Iterator[ArrowTable]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
@@ -127,22 +127,21 @@ class SceneStream:
 
     def _whole_scenes(self, names: Sequence[str], n_rows: int) -> Iterator[Piece]:
         """Yield the rows of whole scenes; those of a scene in two files are rows of the first."""
-        held: list[Piece] = []
-        for piece, starts in self._runs(names, n_rows):
-            rest = piece
-            if len(starts):
-                first, last = int(starts[0]), int(starts[-1])
-                rest = _part(piece, last, len(piece.table))
-                if held and held[0].file != piece.file:
-                    yield _joined([*held, _part(piece, 0, first)])
-                    held = [_part(piece, first, last)]
-                else:
-                    held.append(_part(piece, 0, last))
-                if any(len(part.table) for part in held):
-                    yield _joined(held)
+        held: list[Piece] = []  # of a scene that is not complete
+        for (piece, starts), following in _with_next(self._runs(names, n_rows)):
+            is_complete = following is None or 0 in following.starts[:1]
+            end = len(piece.table) if is_complete else int(starts[-1]) if len(starts) else 0
+            if end == 0:
+                held.append(piece)
+                continue
+            begin = 0
+            if held and held[0].file != piece.file:
+                begin = int(starts[0]) if len(starts) else end
+                yield _joined([*held, _part(piece, 0, begin)])
                 held = []
-            held.append(rest)
-        yield _joined(held)
+            if begin < end:
+                yield _joined([*held, _part(piece, begin, end)])
+            held = [] if is_complete else [_part(piece, end, len(piece.table))]
 
     def _runs(self, names: Sequence[str], n_rows: int) -> Iterator[_Runs]:
         """Yield all rows and where scenes begin, after a check that none comes back."""
@@ -163,7 +162,7 @@ class SceneStream:
                     )
             else:
                 n_scenes = n_scenes if is_same_table else 0
-                if not np.array_equal(begun.to_numpy(), np.arange(n_scenes, n_scenes + len(begun))):
+                if begun.to_pylist() != list(range(n_scenes, n_scenes + len(begun))):
                     raise ModelFormatError(
                         f"{self._origin(piece)} is damaged: its scenes are not numbered in order"
                     )
@@ -309,6 +308,16 @@ def iter_scene_batches(
     if label is None:
         return (batch.scenes for batch in batches)
     return ((batch.scenes, batch.labels) for batch in batches)
+
+
+def _with_next(runs: Iterable[_Runs]) -> Iterator[tuple[_Runs, _Runs | None]]:
+    """Yield each item with the next one, None after the last."""
+    iterator = iter(runs)
+    current = next(iterator, None)
+    while current is not None:
+        following = next(iterator, None)
+        yield current, following
+        current = following
 
 
 def _changes(ids: ArrowArray) -> IntArray:
