@@ -1,6 +1,7 @@
 from . import (
     datasets,
     experiments,
+    forests,
     mappings,
     metrics,
     mil,
@@ -13,6 +14,13 @@ from . import (
     trees,
     volumes,
     worlds,
+)
+from .forests import (
+    SMRFBoostingClassifier,
+    SMRFBoostingRegressor,
+    SMRFForestClassifier,
+    SMRFForestRegressor,
+    SMRFRuleSetClassifier,
 )
 from .mil import CovAggClassifier
 from .rl import SMRFRPI
@@ -28,6 +36,11 @@ __all__ = [
     "SMRFRPI",
     "Attribute",
     "CovAggClassifier",
+    "SMRFBoostingClassifier",
+    "SMRFBoostingRegressor",
+    "SMRFForestClassifier",
+    "SMRFForestRegressor",
+    "SMRFRuleSetClassifier",
     "SMRFTreeClassifier",
     "Scenes",
     "Schema",
@@ -35,6 +48,7 @@ __all__ = [
     "Tree",
     "datasets",
     "experiments",
+    "forests",
     "iter_scene_batches",
     "listening",
     "mappings",

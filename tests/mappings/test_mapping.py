@@ -66,6 +66,37 @@ def test_reframe_by_hand(a: Point, b: Point, c: Point, unscaled: list[float], sc
     assert value("scaled_reframe", LOCATION, a, b, c) == pytest.approx(scaled, abs=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("a", "b", "c", "bearing", "scaled_distance"),
+    [
+        # A right angle on either side; twice and half as far.
+        ((0, 0), (1, 0), (0, 2), math.pi / 2, 2.0),
+        ((0, 0), (2, 0), (0, -1), math.pi / 2, 0.5),
+        ((1, 1), (2, 2), (0, 0), math.pi, 1.0),
+        ((0, 0), (3, 4), (6, 8), 0.0, 2.0),
+    ],
+)
+def test_bearing_and_scaled_distance_by_hand(
+    a: Point, b: Point, c: Point, bearing: float, scaled_distance: float
+) -> None:
+    assert value("bearing", LOCATION, a, b, c) == pytest.approx([bearing], abs=1e-12)
+    assert value("scaled_distance", LOCATION, a, b, c) == pytest.approx([scaled_distance])
+
+
+def test_an_object_at_the_place_of_a_has_no_bearing() -> None:
+    assert math.isnan(value("bearing", LOCATION, (1, 1), (4, 5), (1, 1))[0])
+    assert value("scaled_distance", LOCATION, (1, 1), (4, 5), (1, 1)) == [0.0]
+    assert math.isnan(value("scaled_distance", LOCATION, (1, 1), (1, 1), (4, 5))[0])
+
+
+def test_same_compares_categories() -> None:
+    team = Attribute("team", kind="category", categories=["home", "guest"])
+    matrix, rows = np.array([[0.0], [1.0], [1.0], [np.nan]]), np.array([[0, 1], [1, 2], [2, 3], [0, -1]])
+    found = Mapping("same", team).evaluate(Schema((team,)), matrix, rows)
+
+    assert np.array_equal(found[:, 0], [0.0, 1.0, np.nan, np.nan], equal_nan=True)
+
+
 @pytest.mark.parametrize("operation", ["reframe", "scaled_reframe"])
 def test_left_of_the_frame_is_positive(operation: str) -> None:
     # No reflection: whichever way A looks at B, its left hand has y > 0.
@@ -230,7 +261,11 @@ def test_frames_are_complex_division(a: Point, b: Point, c: Point) -> None:
         ("angle", LOCATION, "unknown operation 'angle': use one of identity, distance"),
         ("reframe", COLOR, r"reframe\(color\) needs a 2-dimensional attribute, 'color' has 3"),
         ("scaled_reframe", HEADING, r"needs a 2-dimensional attribute, 'heading' has 1"),
-        ("distance", HEADING, r"distance\(heading\) is not defined for angles: use identity or difference"),
+        (
+            "distance",
+            HEADING,
+            r"distance\(heading\) is not defined for kind 'angle': use identity, difference",
+        ),
     ],
 )
 def test_an_operation_that_makes_no_sense_is_refused(

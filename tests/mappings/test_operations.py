@@ -38,7 +38,7 @@ def test_argument_orders(operation: str, expected: list[tuple[int, ...]]) -> Non
 
 
 def test_codes_and_names_are_the_keys() -> None:
-    assert [operation.code for operation in OPERATIONS.values()] == [0, 1, 2, 3, 4]
+    assert [operation.code for operation in OPERATIONS.values()] == list(range(8))
     assert all(operation.name == name for name, operation in OPERATIONS.items())
 
 

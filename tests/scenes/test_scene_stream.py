@@ -232,6 +232,20 @@ def test_bad_sources_are_refused_before_anything_is_read(
         iter_scene_batches(tmp_path, **(COLUMNS | changes))
 
 
+def test_categories_are_the_same_in_all_batches(tmp_path: Path) -> None:
+    table = long_table([1, 1]).append_column("team", pa.array(["b", "a"]))
+    parquet.write_table(table, tmp_path / "t.parquet")
+    listed = rf.Attribute("team", kind="category", categories=["a", "b"])
+    columns = COLUMNS | {"attributes": {listed: "team"}}
+    batches = list(iter_scene_batches(tmp_path / "t.parquet", batch_size=1, **columns))
+
+    assert [scenes.matrix.tolist() for scenes in batches] == [[[1.0]], [[0.0]]]
+    assert {scenes.schema for scenes in batches} == {rf.Schema([listed], ["agent"])}
+    columns["attributes"] = {rf.Attribute("team", kind="category"): "team"}
+    with pytest.raises(InputError, match="categories of 'team' must be known before all rows are read"):
+        iter_scene_batches(tmp_path / "t.parquet", **columns)
+
+
 def test_a_pattern_must_match(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"pattern .*\*\.parquet contains no Parquet files"):
         iter_scene_batches(tmp_path / "*.parquet", **COLUMNS)

@@ -15,7 +15,7 @@ from strategies import schemas
     ("name", "dim", "operations"),
     [
         ("location", 1, ("identity", "distance", "difference")),
-        ("location", 2, OPERATION_NAMES),
+        ("location", 2, OPERATION_NAMES[:5]),
         ("location", 3, ("identity", "distance", "difference")),
         ("color", 3, ("identity", "difference")),
         ("colour", 3, ("identity", "difference")),
@@ -44,7 +44,7 @@ def test_operations_may_be_chosen() -> None:
 
 
 def test_attributes_are_values() -> None:
-    assert Attribute("location", 2) == Attribute("location", 2, "euclidean", OPERATION_NAMES)
+    assert Attribute("location", 2) == Attribute("location", 2, "euclidean", OPERATION_NAMES[:5])
     assert len({Attribute("location", 2), Attribute("location", 2), Attribute("location", 3)}) == 2
 
 
@@ -63,7 +63,10 @@ def test_attributes_are_values() -> None:
         ({"name": "x", "operations": ["rotate"]}, "operations of attribute 'x' must be one of 'identity'"),
         ({"name": "x", "operations": ["identity", "identity"]}, "are named 'identity'"),
         ({"name": "x", "dim": 3, "operations": ["reframe"]}, "'reframe' needs dim 2, but .* has dim 3"),
-        ({"name": "x", "kind": "angle", "operations": ["distance"]}, "an angle and cannot take part in"),
+        (
+            {"name": "x", "kind": "angle", "operations": ["distance"]},
+            "of kind angle and cannot take part in 'distance'",
+        ),
     ],
 )
 def test_impossible_attributes_are_refused(arguments: dict[str, Any], message: str) -> None:

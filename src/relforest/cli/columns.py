@@ -215,7 +215,7 @@ def read_labels(source: SceneTable, column: str) -> NDArray[Any]:
 
 def _described(schema: Schema) -> str:
     attributes = ", ".join(
-        f"{attribute.name} ({'angle' if attribute.kind == 'angle' else f'{attribute.dim}-D'})"
+        f"{attribute.name} ({f'{attribute.dim}-D' if attribute.kind == 'euclidean' else attribute.kind})"
         for attribute in schema.attributes
     )
     return f"the attributes {attributes} and the arguments {', '.join(schema.parameters) or '(none)'}"
@@ -228,7 +228,7 @@ def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:
     if not name.strip() or not equals or not columns or not all(columns):
         raise InputError(
             f"--attribute {text!r} is not understood: write NAME=COLUMN or NAME=COLUMN,COLUMN and so on, "
-            "such as location=x,y, with :angle at the end for an angle in radians"
+            "such as location=x,y, with :angle at the end for an angle in radians, :category for names"
         )
     if colon and kind not in KINDS:
         raise InputError(

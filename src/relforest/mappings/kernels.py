@@ -7,7 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.mappings.operations import DIFFERENCE, DISTANCE, IDENTITY, REFRAME
+from relforest.mappings.operations import (
+    BEARING,
+    DIFFERENCE,
+    DISTANCE,
+    IDENTITY,
+    REFRAME,
+    SAME,
+    SCALED_DISTANCE,
+)
 from relforest.support.jit import inlined, kernel
 
 
@@ -34,7 +42,7 @@ def map_point(
     """
     first, dim = span
     a, b, c = objects
-    if a < 0 or (code != IDENTITY and b < 0) or (code >= REFRAME and c < 0):
+    if a < 0 or (code != IDENTITY and b < 0) or (REFRAME <= code <= BEARING and c < 0):
         return False
     # Components are summed, so that one test at the end finds NaN.
     total = 0.0
@@ -53,20 +61,47 @@ def map_point(
             step = matrix[b, first + i] - matrix[a, first + i]
             total += step * step
         out[place, 0] = math.sqrt(total)
+    elif code == SAME:
+        total = matrix[b, first] - matrix[a, first]
+        out[place, 0] = 1.0 if total == 0.0 else 0.0
     else:
-        ux = matrix[b, first] - matrix[a, first]
-        uy = matrix[b, first + 1] - matrix[a, first + 1]
-        wx = matrix[c, first] - matrix[a, first]
-        wy = matrix[c, first + 1] - matrix[a, first + 1]
-        squared = ux * ux + uy * uy
-        scale = math.sqrt(squared) if code == REFRAME else squared
-        # Coincident A and B define no direction; the negated test also catches NaN.
-        if not squared > 0.0:
-            scale = np.nan
-        out[place, 0] = (ux * wx + uy * wy) / scale
-        out[place, 1] = (ux * wy - uy * wx) / scale
-        total = out[place, 0] + out[place, 1]
+        total = _seen_from_frame(code, span, matrix, objects, out, place)
     return not math.isnan(total)
+
+
+@inlined
+def _seen_from_frame(
+    code: int,
+    span: tuple[int, int],
+    matrix: NDArray[np.float64],
+    objects: tuple[int, int, int],
+    out: NDArray[np.float64],
+    place: int,
+) -> float:
+    """Write what C is in the frame of A and B into ``out[place]``; return a number, NaN if undefined."""
+    first, dim = span
+    a, b, c = objects
+    squared, reach = 0.0, 0.0
+    for i in range(dim):
+        squared += (matrix[b, first + i] - matrix[a, first + i]) ** 2
+        reach += (matrix[c, first + i] - matrix[a, first + i]) ** 2
+    # Coincident A and B define no direction; the negated test also catches NaN.
+    if not squared > 0.0:
+        return np.nan
+    if code == SCALED_DISTANCE:
+        out[place, 0] = math.sqrt(reach / squared)
+        return float(out[place, 0])
+    ux = matrix[b, first] - matrix[a, first]
+    uy = matrix[b, first + 1] - matrix[a, first + 1]
+    wx = matrix[c, first] - matrix[a, first]
+    wy = matrix[c, first + 1] - matrix[a, first + 1]
+    scale = math.sqrt(squared) if code == REFRAME else squared
+    along, aside = (ux * wx + uy * wy) / scale, (ux * wy - uy * wx) / scale
+    if code == BEARING:
+        out[place, 0] = math.atan2(abs(aside), along)
+        return float(along + aside) if reach > 0.0 else np.nan
+    out[place, 0], out[place, 1] = along, aside
+    return float(along + aside)
 
 
 @kernel

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, final
+from typing import TYPE_CHECKING, Final, Literal, final
 
 import numpy as np
 
 from relforest.mappings.kernels import map_points
 from relforest.mappings.operations import OPERATIONS, Operation
+from relforest.scenes.schema import OPERATIONS_BY_KIND, PLANAR_OPERATIONS
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from relforest.scenes import Attribute, Schema
 
 Space = Literal["euclidean", "circle"]
+
+_NUMBERS: Final = frozenset({"distance", "scaled_distance", "bearing", "same"})
 
 
 @final
@@ -55,14 +58,15 @@ class Mapping:
         if self.operation not in OPERATIONS:
             msg = f"unknown operation {self.operation!r}: use one of {', '.join(OPERATIONS)}"
             raise InputError(msg)
-        if self.rule.arity == 3 and self.attribute.dim != 2:
+        if self.operation in PLANAR_OPERATIONS and self.attribute.dim != 2:
             msg = (
                 f"{self.name} needs a 2-dimensional attribute, "
                 f"{self.attribute.name!r} has {self.attribute.dim} dimension(s)"
             )
             raise InputError(msg)
-        if self.attribute.kind == "angle" and self.operation not in {"identity", "difference"}:
-            msg = f"{self.name} is not defined for angles: use identity or difference"
+        allowed = OPERATIONS_BY_KIND[self.attribute.kind]
+        if self.operation not in allowed:
+            msg = f"{self.name} is not defined for kind {self.attribute.kind!r}: use {', '.join(allowed)}"
             raise InputError(msg)
 
     @property
@@ -83,7 +87,7 @@ class Mapping:
     @property
     def dim(self) -> int:
         """Dimension of the codomain."""
-        return 1 if self.operation == "distance" else self.attribute.dim
+        return 1 if self.operation in _NUMBERS else self.attribute.dim
 
     @property
     def space(self) -> Space:

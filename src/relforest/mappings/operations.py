@@ -47,6 +47,9 @@ DISTANCE: Final = 1
 DIFFERENCE: Final = 2
 REFRAME: Final = 3
 SCALED_REFRAME: Final = 4
+SCALED_DISTANCE: Final = 5
+BEARING: Final = 6
+SAME: Final = 7
 
 # Swapping the frame's two objects sends a scaled point z to 1 - z, which is an isometry, but an
 # unscaled point w to |B - A| - w, which is not: only the scaled form may drop one of the orders.
@@ -59,6 +62,9 @@ OPERATIONS: Final = MappingProxyType(
             Operation("difference", DIFFERENCE, 2, "swap-first-two"),
             Operation("reframe", REFRAME, 3, "none"),
             Operation("scaled_reframe", SCALED_REFRAME, 3, "swap-first-two"),
+            Operation("scaled_distance", SCALED_DISTANCE, 3, "none"),
+            Operation("bearing", BEARING, 3, "none"),
+            Operation("same", SAME, 2, "swap-first-two"),
         )
     }
 )

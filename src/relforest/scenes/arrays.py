@@ -13,7 +13,7 @@ from relforest.scenes.kernels import first_misfit
 from relforest.scenes.schema import Schema
 from relforest.support.errors import InputError
 
-__all__ = ["FloatArray", "IntArray", "SceneArrays", "check_arrays", "compact"]
+__all__ = ["FloatArray", "IntArray", "SceneArrays", "check_arrays", "compact", "recoded"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -46,6 +46,7 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
     if len(object_ids) != len(matrix):
         raise InputError(f"object_ids must have one entry per row of the matrix, got {len(object_ids)}")
     _check_finite(parts.schema, matrix, object_ids)
+    _check_categories(parts.schema, matrix, object_ids)
     matrix = _with_wrapped_angles(parts.schema, matrix).view()
     matrix.flags.writeable = False
     rows, starts, counts = (_integers(name, getattr(parts, name), 1) for name in ("rows", "starts", "counts"))
@@ -128,11 +129,61 @@ def _check_finite(schema: Schema, matrix: FloatArray, object_ids: IdArray) -> No
     infinite = np.isinf(matrix)
     if infinite.any():
         row, column = np.argwhere(infinite)[0]
-        name = next(name for name in schema.names if column < schema.columns(name).stop)
+        name = schema.attribute_of(column).name
         raise InputError(
             f"object {plain(object_ids[row])!r} (row {row}) has an infinite {name}: use NaN where a value "
             "is undefined"
         )
+
+
+def _check_categories(schema: Schema, matrix: FloatArray, object_ids: IdArray) -> None:
+    for attribute in schema.attributes:
+        if attribute.kind != "category":
+            continue
+        places = matrix[:, schema.offset(attribute.name)]
+        defined = places[~np.isnan(places)]
+        if not np.isin(defined, np.arange(len(attribute.categories))).all():
+            row = np.flatnonzero(~np.isnan(places) & ~np.isin(places, np.arange(len(attribute.categories))))[
+                0
+            ]
+            raise InputError(
+                f"object {plain(object_ids[row])!r} (row {row}) has the category {places[row]:g} of "
+                f"{attribute.name!r}: use the number of one of its {len(attribute.categories)} categories, "
+                "counted from 0, or NaN where it is undefined"
+            )
+
+
+def recoded(parts: SceneArrays, schema: Schema) -> SceneArrays:
+    """Return the same scenes with the categories of another schema, which differs in nothing else.
+
+    Raises
+    ------
+    InputError
+        If the schemas differ otherwise, or an object's category is not among those of the other schema.
+    """
+    own = tuple(
+        mine.with_categories(theirs.categories) if mine.kind == theirs.kind == "category" else mine
+        for mine, theirs in zip(parts.schema.attributes, schema.attributes, strict=False)
+    )
+    if (own, parts.schema.parameters) != (schema.attributes, schema.parameters):
+        raise InputError(f"the model is for scenes with {schema}, these have {parts.schema}")
+    matrix = parts.matrix.copy()
+    for mine, theirs in zip(parts.schema.attributes, schema.attributes, strict=True):
+        if mine.categories == theirs.categories:
+            continue
+        place = {category: number for number, category in enumerate(theirs.categories)}
+        new = np.array([place.get(category, -1) for category in mine.categories], dtype=np.float64)
+        column = matrix[:, schema.offset(mine.name)]
+        defined = ~np.isnan(column)
+        column[defined] = new[column[defined].astype(np.int64)]
+        unseen = np.flatnonzero(column < 0)
+        if unseen.size:
+            category = mine.categories[int(parts.matrix[unseen[0], schema.offset(mine.name)])]
+            raise InputError(
+                f"object {plain(parts.object_ids[unseen[0]])!r} has the {mine.name} {category!r}, which the "
+                f"model has never seen: it knows {', '.join(map(repr, theirs.categories))}"
+            )
+    return parts._replace(schema=schema, matrix=matrix)
 
 
 def _with_wrapped_angles(schema: Schema, matrix: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from typing import Any, NoReturn, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arrays, compact
+from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arrays, compact, recoded
 from relforest.scenes.derived import add_attribute
 from relforest.scenes.frames import AttributeColumns, arrays_from_frame, frame_layout
 from relforest.scenes.ids import IdArray
@@ -132,7 +132,7 @@ class Scenes:
         size = f"{low} objects" if low == high else f"{low} to {high} objects"
         size = "no objects" if high == 0 else size if len(self) == 1 else f"{size} each"
         attributes = ", ".join(
-            f"{attribute.name} ({'angle' if attribute.kind == 'angle' else attribute.dim})"
+            f"{attribute.name} ({attribute.dim if attribute.kind == 'euclidean' else attribute.kind})"
             for attribute in self.schema.attributes
         )
         arguments = f"; arguments {', '.join(self.schema.parameters)}" if self.schema.parameters else ""
@@ -215,7 +215,8 @@ class Scenes:
         attributes : mapping of str or Attribute to str or sequence of str
             The column or columns of each attribute. A plain name gets the defaults of `Attribute` with one
             dimension per column. Nulls and NaN are undefined components; one of them makes the attribute
-            undefined for questions. Text must spell numbers. Angles are brought to (-pi, pi].
+            undefined for questions. Text must spell numbers, except for attributes declared with
+            ``kind="category"``. Angles are brought to (-pi, pi].
         arguments : sequence of str
             Columns with the id of one of the scene's objects, or null for none, constant within a scene.
             They become the parameters of the schema.
@@ -389,6 +390,16 @@ class Scenes:
         scenes: Scenes = object.__new__(Scenes)
         _fill(scenes, self.parts._replace(matrix=matrix))
         return scenes
+
+    def recoded(self, schema: Schema) -> Scenes:
+        """Return the same scenes with the categories of another schema, that of a model.
+
+        Raises
+        ------
+        InputError
+            If the schemas differ in more than categories, or an object has a category that the other lacks.
+        """
+        return self if self.schema == schema else Scenes(*recoded(self.parts, schema))
 
     def __eq__(self, other: object) -> bool:
         """Return whether both batches have the same scenes in the same layout; undefined values are equal."""

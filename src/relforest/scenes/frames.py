@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays
 from relforest.scenes.arrow import ArrowArray, is_numeric, is_text, to_codes
+from relforest.scenes.attribute_columns import attribute_columns
 from relforest.scenes.columns import Codes, Frame, Locate, arrow_column, encode, open_frame
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import plain
 from relforest.scenes.label_text import parsed_labels
 from relforest.scenes.lookup import bind_arguments, index_objects
-from relforest.scenes.number_columns import number_columns
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
@@ -57,14 +57,10 @@ class FrameLayout:
     arguments: tuple[str, ...]
 
     @property
-    def numbers(self) -> list[str]:
-        """The columns of the attributes' components."""
-        return [name for _, names in self.attributes for name in names]
-
-    @property
     def columns(self) -> list[str]:
         """All columns."""
-        return [self.scene, *([] if self.object is None else [self.object]), *self.arguments, *self.numbers]
+        components = [name for _, names in self.attributes for name in names]
+        return [self.scene, *([] if self.object is None else [self.object]), *self.arguments, *components]
 
 
 def frame_layout(
@@ -78,11 +74,11 @@ def frame_layout(
 
 def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
     """Read scenes from a long table; see `Scenes.from_frame`."""
-    schema = Schema([attribute for attribute, _ in layout.attributes], layout.arguments)
+    Schema([attribute for attribute, _ in layout.attributes], layout.arguments)  # names that clash
     table = open_frame(frame, layout.columns)
     scenes = _scene_codes(table, layout.scene)
     object_ids = None if layout.object is None else id_column(table, layout.object)
-    matrix = number_columns(table, layout.numbers, _locator(scenes, object_ids))
+    matrix, attributes = attribute_columns(table, layout.attributes, _locator(scenes, object_ids))
     objects = _group(scenes, object_ids, matrix)
     index = index_objects(scenes.ids, objects.scenes, objects.codes)
     bound = [
@@ -90,7 +86,7 @@ def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
         for parameter in layout.arguments
     ]
     return SceneArrays(
-        schema,
+        Schema(attributes, layout.arguments),
         matrix[objects.rows],
         np.arange(len(objects.rows)),
         objects.starts,

@@ -1,4 +1,4 @@
-"""Binary labels as classifiers accept them."""
+"""Labels as classifiers accept them."""
 
 from __future__ import annotations
 
@@ -55,6 +55,48 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
         If the number of labels is wrong, a label is missing, masked, NaN or infinite, or there are not
         exactly two classes. Messages use scikit-learn's wording where possible.
     """
+    labels = _checked(y, n_expected, what)
+    classes = np.unique(labels)
+    if len(classes) > 2:
+        listed = ", ".join(map(str, classes[:5]))
+        raise InputError(
+            "Only binary classification is supported. The type of the target is multiclass: "
+            f"{len(classes)} classes ({listed}...); label each of the {what} positive or negative"
+        )
+    if len(classes) < 2:
+        listed = ", ".join(map(str, classes)) or "none"
+        raise InputError(
+            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
+        )
+    return BinaryLabels(classes, labels == classes[1])
+
+
+def labels_of_classes(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Check labels of two or more classes.
+
+    Returns
+    -------
+    classes : ndarray (n_classes,)
+        In sorted order.
+    numbers : int64 ndarray (n,)
+        Place of each label in `classes`.
+
+    Raises
+    ------
+    InputError
+        If the number of labels is wrong, a label is missing, masked, NaN or infinite, or all are equal.
+    """
+    classes, numbers = np.unique(_checked(y, n_expected, what), return_inverse=True)
+    if len(classes) < 2:
+        listed = ", ".join(map(str, classes)) or "none"
+        raise InputError(
+            f"labels of at least 2 classes are needed, but {n_expected} {what} have only 1 class: {listed}"
+        )
+    return classes, numbers.astype(np.int64)
+
+
+def _checked(y: ArrayLike, n_expected: int, what: str) -> NDArray[Any]:
+    """Return labels as an array of one type."""
     labels = _column(y)
     if isinstance(y, (list, tuple)) and labels.dtype.kind == "U" and not all(isinstance(v, str) for v in y):
         # NumPy has converted numbers to strings.
@@ -76,19 +118,7 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
             )
     elif kind not in "biuUOT":
         raise InputError(_unknown(labels[0], what))
-    classes = np.unique(labels)
-    if len(classes) > 2:
-        listed = ", ".join(map(str, classes[:5]))
-        raise InputError(
-            "Only binary classification is supported. The type of the target is multiclass: "
-            f"{len(classes)} classes ({listed}...); label each of the {what} positive or negative"
-        )
-    if len(classes) < 2:
-        listed = ", ".join(map(str, classes)) or "none"
-        raise InputError(
-            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
-        )
-    return BinaryLabels(classes, labels == classes[1])
+    return labels
 
 
 def _column(y: ArrayLike) -> NDArray[Any]:

@@ -18,14 +18,14 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from pyarrow import parquet
 
-from relforest.scenes.arrays import IntArray, SceneArrays, compact
+from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, compact
 from relforest.scenes.arrow import ArrowArray, ArrowTable
+from relforest.scenes.attribute_columns import attribute_columns
 from relforest.scenes.columns import Codes, encode, open_frame
 from relforest.scenes.digests import block_digests, document_digest, is_unchanged
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import IdArray
 from relforest.scenes.lookup import bind_arguments, index_objects
-from relforest.scenes.number_columns import number_columns
 from relforest.scenes.schema import Schema
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, ModelFormatError, RelforestError
@@ -84,7 +84,7 @@ def to_table(parts: SceneArrays) -> ArrowTable:
     columns = [
         _id_array("scene_ids", parts.scene_ids).take(pa.array(scenes)),
         _take(object_ids, rows),
-        *(_take(pa.array(column), rows) for column in parts.matrix.T),
+        *(_take(_values(parts.schema, number, column), rows) for number, column in enumerate(parts.matrix.T)),
         *(_take(object_ids, column[scenes]) for column in parts.arguments.T),
         pa.array(scenes),
         pa.array(rows, mask=rows < 0),
@@ -92,6 +92,16 @@ def to_table(parts: SceneArrays) -> ArrowTable:
     names = _column_names(parts.schema)
     document = {"format": FORMAT, "version": VERSION, "schema": parts.schema.to_dict(), "columns": names}
     return pa.table(columns, names=names).replace_schema_metadata({_KEY: json.dumps(document).encode()})
+
+
+def _values(schema: Schema, number: int, column: FloatArray) -> ArrowArray:
+    """Return a column of the matrix as an arrow array: numbers, or the names of categories."""
+    attribute = schema.attribute_of(number)
+    if attribute.kind != "category":
+        return pa.array(column)
+    undefined = np.isnan(column)
+    places = np.where(undefined, 0, column).astype(np.int64)
+    return _take(pa.array(attribute.categories, pa.large_string()), np.where(undefined, -1, places))
 
 
 def sealed(table: ArrowTable) -> ArrowTable:
@@ -216,7 +226,9 @@ def _read_rows(
     for column, name in enumerate(names[2 + schema.width : -2]):
         found = bind_arguments(index, name, id_column(frame, name).take(pa.array(first)))
         arguments[:, column] = np.append(rows, -1)[found]
-    matrix = number_columns(frame, names[2 : 2 + schema.width], "row {}".format)[is_object][seen]
+    columns = iter(names[2 : 2 + schema.width])
+    layout = [(each, [next(columns) for _ in range(each.dim)]) for each in schema.attributes]
+    matrix = attribute_columns(frame, layout, "row {}".format)[0][is_object][seen]
     starts = np.cumsum(counts) - counts
     object_ids = codes.ids[codes.codes[seen]]
     return SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)

@@ -12,6 +12,7 @@ from typing import Any, final
 import numpy as np
 
 from relforest.scenes.arrays import FloatArray, SceneArrays, compact
+from relforest.scenes.attribute_columns import category_text, closed, place_of
 from relforest.scenes.ids import as_ids, plain
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
@@ -19,6 +20,7 @@ from relforest.support.errors import InputError
 __all__ = ["arrays_from_dicts", "arrays_to_dicts"]
 
 _RECORD_KEYS = ("id", "objects", "arguments")
+CATEGORY_HINT = " (for names, declare the attribute with kind='category')"
 
 
 @final
@@ -43,6 +45,7 @@ def arrays_from_dicts(records: Iterable[Mapping[str, Any]], schema: Schema | Non
     object_ids = as_ids("object ids", [each for scene in scenes for each in scene.object_ids])
     if schema is None:
         schema = _infer_schema(scenes)
+    schema = Schema([_closed(attribute, scenes) for attribute in schema.attributes], schema.parameters)
     known = {attribute.name: (attribute, schema.columns(attribute.name)) for attribute in schema.attributes}
     counts = np.array([len(scene.objects) for scene in scenes], dtype=np.int64)
     starts = np.cumsum(counts) - counts
@@ -88,7 +91,9 @@ def _defined_values(schema: Schema, row: FloatArray) -> dict[str, Any]:
     for attribute in schema.attributes:
         components = row[schema.columns(attribute.name)].tolist()
         numbers = [None if math.isnan(component) else component for component in components]
-        if any(number is not None for number in numbers):
+        if attribute.kind == "category" and numbers[0] is not None:
+            values[attribute.name] = attribute.categories[int(numbers[0])]
+        elif any(number is not None for number in numbers):
             values[attribute.name] = numbers[0] if attribute.dim == 1 else numbers
     return values
 
@@ -179,7 +184,28 @@ def _fill_row(
             raise InputError(
                 f"{where}: {name!r} has {len(numbers)} components, but its dim is {attribute.dim}"
             )
-        row[columns] = [_number(number, name, where) for number in numbers]
+        if attribute.kind == "category":
+            row[columns] = place_of(_category(value, name, where), attribute, where)
+        else:
+            row[columns] = [_number(number, name, where) for number in numbers]
+
+
+def _closed(attribute: Attribute, scenes: list[_Record]) -> Attribute:
+    """Return an attribute with the categories of the data, if it is a category without a list."""
+    if attribute.kind != "category" or attribute.categories:
+        return attribute
+    values = (entry.get(attribute.name) for scene in scenes for entry in scene.objects)
+    texts = {_category(value, attribute.name, "a scene") for value in values if value is not None}
+    return closed(attribute, texts)
+
+
+def _category(value: object, name: str, where: str) -> str:
+    text = category_text(value)
+    if text is None:
+        raise InputError(
+            f"{where}: {name!r} is {value!r:.100}, which is not a category: use text, None if undefined"
+        )
+    return text
 
 
 def _number(value: object, name: str, where: str) -> float:
@@ -188,6 +214,7 @@ def _number(value: object, name: str, where: str) -> float:
     if not isinstance(value, (Real, Decimal, np.bool_)):
         raise InputError(
             f"{where}: {name!r} is {value!r:.100}, which is not a number: use numbers, None if undefined"
+            f"{CATEGORY_HINT if isinstance(value, str) else ''}"
         )
     number = float(value)
     if np.isinf(number):

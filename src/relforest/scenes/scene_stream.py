@@ -209,7 +209,7 @@ def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | 
     Raises
     ------
     InputError
-        If a column is missing, ambiguous, or has different types in different files.
+        If a column is missing, ambiguous, or has different types in different files, or categories are open.
     ModelFormatError
         If a file of `Scenes.to_parquet` has invalid metadata, or a schema other than the first one.
     """
@@ -224,6 +224,12 @@ def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | 
         stream = SceneStream(source, None, tuple(names), names[-2], schema, label)
     else:
         schema = Schema([attribute for attribute, _ in layout.attributes], layout.arguments)
+        for attribute in schema.attributes:
+            if attribute.kind == "category" and not attribute.categories:
+                raise InputError(
+                    f"the categories of {attribute.name!r} must be known before all rows are read: name them "
+                    "with Attribute(..., categories=[...])"
+                )
         stream = SceneStream(source, layout, tuple(layout.columns), layout.scene, schema, label)
     stream.types([*stream.names, *([] if label is None else [label])])
     return stream
@@ -295,7 +301,8 @@ def iter_scene_batches(
     Notes
     -----
     The scenes are those of `Scenes.from_parquet`, except that unsigned 64-bit and decimal ids become text,
-    and that objects which scenes of different batches share are read once for each batch.
+    and that objects which scenes of different batches share are read once for each batch. An attribute that
+    is a category must come with its categories.
 
     Examples
     --------

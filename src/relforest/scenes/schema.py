@@ -9,20 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, Literal, final
+from typing import Final, Literal, cast, final
 
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, one_of
 
 __all__ = ["KINDS", "OPERATION_NAMES", "Attribute", "Kind", "Schema"]
 
-Kind = Literal["euclidean", "angle"]
+Kind = Literal["euclidean", "angle", "category"]
 
-KINDS: Final[tuple[Kind, ...]] = ("euclidean", "angle")
-OPERATION_NAMES: Final = ("identity", "distance", "difference", "reframe", "scaled_reframe")
+KINDS: Final[tuple[Kind, ...]] = ("euclidean", "angle", "category")
+OPERATION_NAMES: Final = (
+    *("identity", "distance", "difference", "reframe", "scaled_reframe"),
+    *("scaled_distance", "bearing", "same"),
+)
 
-_ANGLE_OPERATIONS: Final = ("identity", "difference")
-_PLANAR_OPERATIONS: Final = ("reframe", "scaled_reframe")
+OPERATIONS_BY_KIND: Final[dict[Kind, tuple[str, ...]]] = {
+    "euclidean": OPERATION_NAMES[:-1],
+    "angle": ("identity", "difference"),
+    "category": ("identity", "same"),
+}
+PLANAR_OPERATIONS: Final = ("reframe", "scaled_reframe", "bearing")
 _OPERATIONS_BY_NAME: Final[dict[str, tuple[str, ...]]] = {
     "color": ("identity", "difference"),
     "colour": ("identity", "difference"),
@@ -34,7 +41,7 @@ _OPERATIONS_BY_NAME: Final[dict[str, tuple[str, ...]]] = {
 @final
 @dataclass(frozen=True, slots=True, init=False)
 class Attribute:
-    """One property of an object: a vector of ``dim`` numbers, or an angle.
+    """One property of an object: a vector of ``dim`` numbers, an angle, or a category.
 
     Parameters
     ----------
@@ -42,18 +49,23 @@ class Attribute:
         Unique within a schema; it appears in the sentences of a tree.
     dim : int
         Number of components, at least 1.
-    kind : {"euclidean", "angle"}, optional
-        An angle is in radians with period 2 pi and has ``dim`` 1. Default: ``"angle"`` for the name
-        ``"orientation"`` with ``dim`` 1, otherwise ``"euclidean"``.
+    kind : {"euclidean", "angle", "category"}, optional
+        An angle is in radians with period 2 pi and has ``dim`` 1. A category is one of a few names, such as a
+        team; it has ``dim`` 1, and `Scenes.matrix` contains its number in ``categories``. Default:
+        ``"angle"`` for the name ``"orientation"`` with ``dim`` 1, otherwise ``"euclidean"``.
     operations : iterable of str, optional
         Operations of `OPERATION_NAMES` that the attribute takes part in. The defaults give the functions of
         Palmer (2015), section 4.3: identity and difference for a colour, identity for extents and angles, and
-        identity, distance, difference and (in two dimensions) both reframes for anything else.
+        identity, distance, difference and (in two dimensions) both reframes for anything else. A category
+        has its own two: identity, and whether two objects are of the same category.
+    categories : iterable of str, optional
+        The names that a category can have. If there are none, the reader of scenes takes those of the data,
+        sorted.
 
     Raises
     ------
     InputError
-        If the name is empty, or ``dim``, ``kind`` and ``operations`` do not go together.
+        If the name is empty, or the other parameters do not go together.
 
     Examples
     --------
@@ -61,15 +73,23 @@ class Attribute:
     ('identity', 'distance', 'difference', 'reframe', 'scaled_reframe')
     >>> Attribute("orientation").kind
     'angle'
+    >>> Attribute("team", kind="category", categories=["home", "guest"]).operations
+    ('identity', 'same')
     """
 
     name: str
     dim: int
     kind: Kind
     operations: tuple[str, ...]
+    categories: tuple[str, ...]
 
     def __init__(
-        self, name: str, dim: int = 1, kind: str | None = None, operations: Iterable[str] | None = None
+        self,
+        name: str,
+        dim: int = 1,
+        kind: str | None = None,
+        operations: Iterable[str] | None = None,
+        categories: Iterable[str] = (),
     ) -> None:
         _check_name("attribute", name)
         if name == "id":
@@ -87,10 +107,21 @@ class Attribute:
         object.__setattr__(self, "dim", dim)
         object.__setattr__(self, "kind", checked)
         object.__setattr__(self, "operations", chosen)
+        object.__setattr__(self, "categories", _check_categories(name, checked, categories))
+
+    def with_categories(self, categories: Iterable[str]) -> Attribute:
+        """Return the same attribute with other categories."""
+        return Attribute(self.name, self.dim, self.kind, self.operations, categories)
 
     def to_dict(self) -> dict[str, object]:
         """Return the attribute as plain JSON values."""
-        return {"name": self.name, "dim": self.dim, "kind": self.kind, "operations": list(self.operations)}
+        document = {
+            "name": self.name,
+            "dim": self.dim,
+            "kind": self.kind,
+            "operations": list(self.operations),
+        }
+        return document | ({"categories": list(self.categories)} if self.kind == "category" else {})
 
     @classmethod
     def from_dict(cls, document: object) -> Attribute:
@@ -101,14 +132,22 @@ class Attribute:
         ModelFormatError
             If the document does not describe an attribute.
         """
-        entries = _entries(document, ("name", "dim", "kind", "operations"), "attribute")
-        name, dim, kind, operations = entries.values()
+        keys: tuple[str, ...] = ("name", "dim", "kind", "operations")
+        if isinstance(document, dict) and document.get("kind") == "category":
+            keys += ("categories",)
+        name, dim, kind, operations, *categories = _entries(document, keys, "attribute").values()
         if not (isinstance(name, str) and isinstance(dim, int) and isinstance(kind, str)):
             raise ModelFormatError(
                 f"not an attribute: {document!r:.200}; expected a name, an integer dim and a kind"
             )
         try:
-            return cls(name, dim, kind, _strings(operations, f"operations of attribute {name!r}"))
+            return cls(
+                name,
+                dim,
+                kind,
+                _strings(operations, f"operations of attribute {name!r}"),
+                *(_strings(names, f"categories of attribute {name!r}") for names in categories),
+            )
         except InputError as error:
             raise ModelFormatError(str(error)) from error
 
@@ -186,6 +225,10 @@ class Schema:
         start = self.offset(name)
         return slice(start, start + self[name].dim)
 
+    def attribute_of(self, column: int) -> Attribute:
+        """Return the attribute that a column of `Scenes.matrix` belongs to."""
+        return next(each for each in self.attributes if column < self.columns(each.name).stop)
+
     def __getitem__(self, name: str) -> Attribute:
         """Return attribute ``name``; `InputError` if it does not exist."""
         return self.attributes[self.index(name)]
@@ -244,21 +287,21 @@ def _name_tuple(names: Iterable[str]) -> tuple[str, ...]:
 def _resolve_kind(name: str, dim: int, kind: str | None) -> Kind:
     if kind is None:
         return "angle" if name == "orientation" and dim == 1 else "euclidean"
-    if one_of(f"kind of attribute {name!r}", kind, KINDS) == "euclidean":
-        return "euclidean"
-    if dim != 1:
+    checked = cast("Kind", one_of(f"kind of attribute {name!r}", kind, KINDS))
+    if checked != "euclidean" and dim != 1:
+        a = "an angle" if checked == "angle" else "a category"
         raise InputError(
-            f"attribute {name!r} is an angle with dim {dim}: an angle has dim 1, name one column per angle"
+            f"attribute {name!r} is {a} with dim {dim}: {a} has dim 1, name one column per {checked}"
         )
-    return "angle"
+    return checked
 
 
 def _default_operations(name: str, dim: int, kind: Kind) -> tuple[str, ...]:
-    if kind == "angle":
-        return ("identity",)
+    if kind != "euclidean":
+        return ("identity",) if kind == "angle" else OPERATIONS_BY_KIND[kind]
     if name in _OPERATIONS_BY_NAME:
         return _OPERATIONS_BY_NAME[name]
-    return ("identity", "distance", "difference") + (_PLANAR_OPERATIONS if dim == 2 else ())
+    return ("identity", "distance", "difference") + (PLANAR_OPERATIONS[:2] if dim == 2 else ())
 
 
 def _check_operations(name: str, dim: int, kind: Kind, operations: Iterable[str]) -> tuple[str, ...]:
@@ -271,12 +314,29 @@ def _check_operations(name: str, dim: int, kind: Kind, operations: Iterable[str]
     )
     _check_unique(f"operation of attribute {name!r}", chosen)
     for operation in chosen:
-        if kind == "angle" and operation not in _ANGLE_OPERATIONS:
+        if operation not in OPERATIONS_BY_KIND[kind]:
+            allowed = ", ".join(OPERATIONS_BY_KIND[kind])
             raise InputError(
-                f"attribute {name!r} is an angle and cannot take part in {operation!r}: leave it out"
+                f"attribute {name!r} is of kind {kind} and cannot take part in {operation!r}: choose among "
+                f"{allowed}"
             )
-        if operation in _PLANAR_OPERATIONS and dim != 2:
+        if operation in PLANAR_OPERATIONS and dim != 2:
             raise InputError(f"{operation!r} needs dim 2, but attribute {name!r} has dim {dim}: leave it out")
+    return chosen
+
+
+def _check_categories(name: str, kind: Kind, categories: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(categories, str):
+        raise InputError(
+            f"categories of attribute {name!r} must be a sequence, got a string; write [{categories!r}]"
+        )
+    chosen = tuple(categories)
+    if chosen and kind != "category":
+        raise InputError(f"attribute {name!r} has categories, so its kind must be 'category', got {kind!r}")
+    for category in chosen:
+        if not isinstance(category, str) or not category.isprintable():
+            raise InputError(f"categories of attribute {name!r} must be printable strings, got {category!r}")
+    _check_unique(f"category of attribute {name!r}", chosen)
     return chosen
 
 

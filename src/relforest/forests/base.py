@@ -1,0 +1,102 @@
+"""What the estimators of this package share."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sklearn.base import BaseEstimator
+from sklearn.utils.validation import check_is_fitted
+
+from relforest.forests.ensemble import Ensemble
+from relforest.forests.explanations import (
+    Importance,
+    ScoreExplanation,
+    explain_scores,
+    importances,
+    strongest_questions,
+)
+from relforest.forests.labels import checked_scenes
+from relforest.forests.settings import GrowthSettings
+from relforest.forests.tables import ConditionTable, condition_tables
+from relforest.support.errors import InputError
+from relforest.support.options import at_least
+from relforest.support.progress import report
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes import Scenes
+
+
+def growth_settings(given: object, default: GrowthSettings) -> GrowthSettings:
+    """Return the settings of an estimator: those given, or the default.
+
+    Raises
+    ------
+    InputError
+        If something else was given.
+    """
+    if given is None:
+        return default
+    if not isinstance(given, GrowthSettings):
+        raise InputError(f"growth must be GrowthSettings or None, got {given!r:.100}")
+    return given
+
+
+class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
+    """An estimator with a fitted `Ensemble`."""
+
+    ensemble_: Ensemble
+
+    def apply(self, scenes: Scenes) -> NDArray[np.int32]:
+        """Return the number of the leaf that each scene reaches in every tree, (n_scenes, n_trees)."""
+        check_is_fitted(self)
+        return self.ensemble_.leaves(checked_scenes(scenes), n_jobs=self.n_jobs)
+
+    def explain(self, scenes: Scenes, *, most: int = 5) -> list[ScoreExplanation]:
+        """Return the `most` strongest reasons for each prediction, with their witnesses."""
+        check_is_fitted(self)
+        at_least("most", most, 1)
+        return explain_scores(self.ensemble_, checked_scenes(scenes), self._outputs(scenes), most)
+
+    def importances(self) -> list[Importance]:
+        """Return the kinds of questions and their shares of the gain, the most useful first."""
+        check_is_fitted(self)
+        return importances(self.ensemble_)
+
+    def describe(self, *, most: int = 10) -> str:
+        """Return the model in words: the `most` useful questions, the most useful first."""
+        check_is_fitted(self)
+        return "\n".join([self._title(), *strongest_questions(self.ensemble_, at_least("most", most, 1))])
+
+    def _scores(self, scenes: Scenes) -> NDArray[np.float64]:
+        check_is_fitted(self)
+        return self.ensemble_.scores(checked_scenes(scenes), n_jobs=self.n_jobs)
+
+    def _outputs(self, scenes: Scenes) -> NDArray[np.int64]:
+        """Return the output to explain for each scene: that of the predicted class."""
+        scores = self._scores(scenes)
+        return scores.argmax(axis=1) if scores.shape[1] > 1 else np.zeros(len(scores), dtype=np.int64)
+
+    @abstractmethod
+    def _title(self) -> str:
+        """Return what the numbers of `describe` mean."""
+
+    def _tables(
+        self, scenes: Scenes, settings: GrowthSettings, rng: np.random.Generator
+    ) -> tuple[ConditionTable, ...]:
+        """Return the tables of the training scenes, and remember how many scenes were sampled."""
+        max_free = settings.max_free
+        if max_free is None:
+            max_free = 1 if scenes.schema.n_parameters else 2
+        report("choices of objects listed", 0)
+        tables = condition_tables(scenes, max_free, most=settings.max_choices, rng=rng)
+        self.n_sampled_: int = max((table.n_sampled for table in tables), default=0)
+        return tables
+
+    def __sklearn_tags__(self) -> Any:  # noqa: ANN401
+        tags = super().__sklearn_tags__()
+        tags.input_tags.two_d_array = False
+        return tags

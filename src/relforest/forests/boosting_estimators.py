@@ -1,0 +1,250 @@
+"""Boosting as scikit-learn estimators of scenes."""
+
+from __future__ import annotations
+
+from abc import ABC
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+from scipy.special import expit, softmax
+from sklearn.base import ClassifierMixin, RegressorMixin
+from sklearn.utils.validation import check_is_fitted
+
+from relforest.forests.base import SceneEstimator, growth_settings
+from relforest.forests.boosting import Boosted, BoostingSettings, boost
+from relforest.forests.ensemble import Ensemble
+from relforest.forests.labels import checked_scenes, class_targets, real_targets, weights_of
+from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
+from relforest.forests.settings import GrowthSettings
+from relforest.support.progress import printed_to_stderr
+from relforest.support.rng import RandomState, generator, seed_sequence
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from relforest.scenes import Scenes
+
+
+class _Boosting(SceneEstimator, ABC):
+    """The parameters of boosting, and the fit."""
+
+    def __init__(
+        self,
+        *,
+        n_trees: int = 200,
+        learning_rate: float = 0.05,
+        max_scenes: int = 256,
+        validation: float = 0.0,
+        growth: GrowthSettings | None = None,
+        random_state: RandomState = None,
+        n_jobs: int = 1,
+        verbose: bool = False,
+    ) -> None:
+        self.n_trees = n_trees
+        self.learning_rate = learning_rate
+        self.max_scenes = max_scenes
+        self.validation = validation
+        self.growth = growth
+        self.random_state = random_state
+        self.n_jobs = n_jobs
+        self.verbose = verbose
+
+    def _settings(self) -> tuple[BoostingSettings, GrowthSettings]:
+        how = BoostingSettings(self.n_trees, self.learning_rate, self.max_scenes, self.validation)
+        return how, growth_settings(self.growth, GrowthSettings())
+
+    def _boost(self, scenes: Scenes, loss: Loss, scale: float = 1.0, shift: float = 0.0) -> Boosted:
+        settings = self._settings()
+        rng = generator(seed_sequence(self.random_state))
+        with printed_to_stderr(self.verbose):
+            boosted = boost(self._tables(scenes, settings[1], rng), len(scenes), loss, settings, rng)
+        trees = tuple(grown.tree for grown in boosted.trees)
+        weights = np.full(len(trees), self.learning_rate * scale)
+        self.ensemble_ = Ensemble(scenes.schema, boosted.start * scale + shift, trees, weights)
+        self.losses_: NDArray[np.float64] = boosted.losses
+        return boosted
+
+
+@final
+class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
+    """Sum of small trees of conditions, fitted to the gradient of the log likelihood.
+
+    A condition says that some object exists (or two, or at least k) of which up to three statements are true:
+    half-lines, intervals, ellipses or categories of any mapping of the object and the action's arguments.
+
+    Parameters
+    ----------
+    n_trees : int, default 200
+        Number of trees.
+    learning_rate : float, default 0.05
+        Factor on every tree.
+    max_scenes : int, default 256
+        Each tree is fitted to a random sample of so many scenes, without replacement.
+    validation : float, default 0.0
+        Share of the scenes held out to decide how many trees to keep: boosting stops after 30 trees without
+        improvement there. 0 uses all scenes and all trees.
+    growth : GrowthSettings, optional
+        What a condition may be, and what is tried at every node.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed; an integer makes `fit` reproducible.
+    n_jobs : int, default 1
+        Number of threads for prediction; -1 for all cores. Does not affect the result.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing.
+    class_weight : "balanced", dict or None, default None
+        Weights of the classes, as in scikit-learn.
+
+    Attributes
+    ----------
+    ensemble_ : Ensemble
+        The learned trees.
+    classes_ : ndarray (n_classes,)
+        The labels in sorted order.
+    losses_ : ndarray (n_trees + 1,)
+        Mean loss before the first and after every tree, on the held-out scenes if there are any.
+    n_sampled_ : int
+        Scenes of which only a sample of the choices was searched.
+
+    References
+    ----------
+    Friedman (2002), Stochastic gradient boosting, Computational Statistics & Data Analysis 38(4); Chen and
+    Guestrin (2016), XGBoost, for the Newton step.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest import Scenes, SMRFBoostingClassifier
+    >>> rng = np.random.default_rng(0)
+    >>> places = rng.uniform(0, 10, size=(80, 3, 2))
+    >>> records = [{"objects": [{"location": place} for place in scene]} for scene in places.tolist()]
+    >>> scenes = Scenes.from_dicts(records)
+    >>> close = [min(np.linalg.norm(scene[i] - scene[i - 1]) for i in range(3)) < 3 for scene in places]
+    >>> model = SMRFBoostingClassifier(n_trees=20, random_state=0).fit(scenes, close)
+    >>> model.importances()[0].question
+    'distance(location) of C, D'
+    """
+
+    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
+        self,
+        *,
+        n_trees: int = 200,
+        learning_rate: float = 0.05,
+        max_scenes: int = 256,
+        validation: float = 0.0,
+        growth: GrowthSettings | None = None,
+        random_state: RandomState = None,
+        n_jobs: int = 1,
+        verbose: bool = False,
+        class_weight: object = None,
+    ) -> None:
+        super().__init__(
+            n_trees=n_trees,
+            learning_rate=learning_rate,
+            max_scenes=max_scenes,
+            validation=validation,
+            growth=growth,
+            random_state=random_state,
+            n_jobs=n_jobs,
+            verbose=verbose,
+        )
+        self.class_weight = class_weight
+
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn the trees.
+
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            Labels of two or more classes.
+        sample_weight : array-like (n_scenes,), optional
+            Not negative.
+
+        Raises
+        ------
+        InputError
+            If labels or weights do not match the scenes, or a parameter is out of range.
+        """
+        self._settings()
+        targets = class_targets(y, len(checked_scenes(scenes)), sample_weight, self.class_weight)
+        loss: Loss = (
+            Logistic(targets.numbers == 1, targets.weights)
+            if len(targets.classes) == 2
+            else Softmax(targets.numbers, len(targets.classes), targets.weights)
+        )
+        self._boost(scenes, loss)
+        self.classes_ = targets.classes
+        return self
+
+    def decision_function(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Log-odds of the second class (n_scenes,), or unnormalised log probabilities of all classes."""
+        scores = self._scores(scenes)
+        return scores[:, 0] if scores.shape[1] == 1 else scores
+
+    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Probability of each class, (n_scenes, n_classes)."""
+        scores = self._scores(scenes)
+        if scores.shape[1] > 1:
+            return np.asarray(softmax(scores, axis=1))
+        return np.column_stack([expit(-scores[:, 0]), expit(scores[:, 0])])
+
+    def predict(self, scenes: Scenes) -> NDArray[Any]:
+        """Most probable class of each scene, (n_scenes,)."""
+        probabilities = self.predict_proba(scenes)
+        predicted: NDArray[Any] = self.classes_[probabilities.argmax(axis=1)]
+        return predicted
+
+    def _title(self) -> str:
+        n, last = len(self.ensemble_.trees), self.classes_[-1]
+        return f"{n} trees; shares of the gain, and what the answer adds to the score of class {last}"
+
+
+@final
+class SMRFBoostingRegressor(RegressorMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
+    """Sum of small trees of conditions, fitted to the residuals of real targets.
+
+    The parameters are those of `SMRFBoostingClassifier`, without ``class_weight``.
+
+    Attributes
+    ----------
+    ensemble_ : Ensemble
+        The learned trees.
+    losses_ : ndarray (n_trees + 1,)
+        Mean of half of the squared error in units of the targets' variance, before the first and after every
+        tree, on the held-out scenes if there are any.
+    n_sampled_ : int
+        Scenes of which only a sample of the choices was searched.
+    """
+
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn the trees.
+
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            Finite numbers, not all equal.
+        sample_weight : array-like (n_scenes,), optional
+            Not negative.
+
+        Raises
+        ------
+        InputError
+            If targets or weights do not match the scenes, or a parameter is out of range.
+        """
+        self._settings()
+        values = real_targets(y, len(checked_scenes(scenes)))
+        weights = weights_of(sample_weight, len(values))
+        shift, scale = float(values.mean()), float(values.std())
+        self._boost(scenes, SquaredError((values - shift) / scale, weights), scale, shift)
+        return self
+
+    def predict(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Predicted target of each scene, (n_scenes,)."""
+        check_is_fitted(self)
+        return self._scores(scenes)[:, 0]
+
+    def _title(self) -> str:
+        return (
+            f"{len(self.ensemble_.trees)} trees; shares of the gain, and what the answer adds to the target"
+        )

@@ -1,0 +1,71 @@
+"""What conditions may be made of: the numbers and categories that a choice of objects has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Final, final
+
+from relforest.mappings import Mapping
+from relforest.scenes.schema import PLANAR_OPERATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from relforest.scenes import Attribute, Schema
+
+# How an object lies relative to two others also takes the angle and the ratio of distances (appendix A.3).
+_MORE_OPERATIONS: Final = ("scaled_distance", "bearing")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One component of a mapping of some of the variables.
+
+    Parameters
+    ----------
+    mapping : Mapping
+    variables : tuple of int
+    component : int
+    """
+
+    mapping: Mapping
+    variables: tuple[int, ...]
+    component: int
+
+
+def columns(schema: Schema, n_free: int) -> tuple[Column, ...]:
+    """Return all columns of the arguments and `n_free` free variables.
+
+    Mappings are those of the attributes' operations; where these include a reframe, also the scaled
+    distance and the bearing. Of three objects, the last one is seen from the frame of the two others, and is
+    free if any is. With two free variables, only what holds for both together counts more than once: an
+    order of the two that gives the same points up to an isometry is left out.
+    """
+    n_bound = schema.n_parameters + n_free
+    return tuple(
+        Column(mapping, variables, component)
+        for attribute in schema.attributes
+        for mapping in _mappings(attribute)
+        for variables in _choices(mapping, schema.n_parameters, n_bound)
+        for component in range(mapping.dim)
+    )
+
+
+def _mappings(attribute: Attribute) -> Iterator[Mapping]:
+    operations = list(attribute.operations)
+    if any(operation in operations for operation in PLANAR_OPERATIONS):
+        operations += [each for each in _MORE_OPERATIONS if each not in operations]
+    return (Mapping(operation, attribute) for operation in operations)
+
+
+def _choices(mapping: Mapping, n_arguments: int, n_bound: int) -> Iterator[tuple[int, ...]]:
+    for chosen in combinations(range(n_bound), mapping.arity):
+        if mapping.arity < 3:
+            yield chosen
+            continue
+        free = [variable for variable in chosen if variable >= n_arguments]
+        for order in mapping.rule.argument_orders(chosen):
+            if not free or order[-1] in free:
+                yield order

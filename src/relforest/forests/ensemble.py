@@ -1,0 +1,177 @@
+"""A sum of trees of conditions: what forests, boosting and rule sets learn."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from threading import Event
+from typing import TYPE_CHECKING, Any, Final, final
+
+import numpy as np
+
+from relforest.forests.evaluation import condition_holds, leaves
+from relforest.forests.packing import CONDITION, NO, YES, Packed, pack
+from relforest.forests.scene_tree import SceneTree
+from relforest.scenes import Schema
+from relforest.support.documents import well_formed
+from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.files import check_document
+from relforest.support.options import between, in_range
+from relforest.support.parallel import checked_jobs
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.forests.conditions import Condition
+    from relforest.scenes import Scenes
+
+FORMAT: Final = "relforest-ensemble"
+VERSION: Final = 1
+_MOST_OUTPUTS: Final = 1000
+# Scenes between two looks at whether the user wants to stop, at most some tenths of a second.
+_BATCH: Final = 200
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Ensemble:
+    """``start`` plus the weighted sum of the leaves that a scene reaches in every tree.
+
+    Parameters
+    ----------
+    schema : Schema
+    start : ndarray (n_outputs,)
+    trees : tuple of SceneTree
+    weights : ndarray (n_trees,)
+
+    Raises
+    ------
+    ModelFormatError
+        If the parts do not fit together.
+    """
+
+    schema: Schema
+    start: NDArray[np.float64]
+    trees: tuple[SceneTree, ...]
+    weights: NDArray[np.float64]
+    packed: Packed = field(init=False)
+    """The trees as arrays, for kernels."""
+    conditions: tuple[Condition, ...] = field(init=False)
+    """The questions of all trees, one tree after the other."""
+
+    def __post_init__(self) -> None:
+        if len(self.weights) != len(self.trees):
+            raise ModelFormatError(f"{len(self.trees)} trees have {len(self.weights)} weights")
+        asked = tuple(split.condition for tree in self.trees for split in tree.splits)
+        object.__setattr__(self, "packed", pack(self.schema, self.trees))
+        object.__setattr__(self, "conditions", asked)
+
+    @property
+    def n_outputs(self) -> int:
+        """How many numbers a scene gets."""
+        return len(self.start)
+
+    def leaves(self, scenes: Scenes, *, n_jobs: int = 1) -> NDArray[np.int32]:
+        """Return the number of the leaf that each scene reaches in every tree, (n_scenes, n_trees).
+
+        The call can be interrupted (Ctrl-C) at any time.
+
+        Parameters
+        ----------
+        scenes : Scenes
+            Of the schema of the ensemble; categories are matched by name.
+        n_jobs : int
+            Number of threads, -1 = one per core. It does not affect the result.
+
+        Raises
+        ------
+        InputError
+            If the scenes have another schema or a category never seen, or `n_jobs` is invalid.
+        """
+        scenes = scenes.recoded(self.schema)
+        n_jobs = checked_jobs(n_jobs)
+        out = np.empty((len(scenes), len(self.trees)), dtype=np.int32)
+        columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
+        interrupted = Event()
+
+        def evaluate(begin: int) -> None:
+            if not interrupted.is_set():
+                end = min(begin + _BATCH, len(scenes))
+                leaves(self.packed, scenes.matrix, columns, begin, end, out)
+
+        batches = range(0, len(scenes), _BATCH)
+        if n_jobs == 1:
+            for begin in batches:
+                evaluate(begin)
+        else:
+            with ThreadPoolExecutor(n_jobs) as pool:
+                try:
+                    list(pool.map(evaluate, batches))
+                finally:
+                    interrupted.set()
+        return out
+
+    def scores(self, scenes: Scenes, *, n_jobs: int = 1) -> NDArray[np.float64]:
+        """Return the sum for each scene, (n_scenes, n_outputs); see `leaves` for the parameters."""
+        total = np.tile(self.start, (len(scenes), 1))
+        for tree, weight, leaf in zip(
+            self.trees, self.weights, self.leaves(scenes, n_jobs=n_jobs).T, strict=True
+        ):
+            total += weight * tree.values[leaf]
+        return total
+
+    def path(self, tree: int, scene: Scenes) -> list[tuple[Condition, bool, NDArray[np.int64]]]:
+        """Return the questions that a single scene meets in one tree.
+
+        Returns
+        -------
+        list of (Condition, bool, int64 ndarray)
+            The condition, whether it holds, and the object rows of the choice that decided: the arguments,
+            then the free variables; meaningful if it holds.
+        """
+        scene = scene.recoded(self.schema)
+        packed, met = self.packed, []
+        node = packed.roots[tree]
+        point = np.empty((1, max(self.schema.width, 2)))
+        while packed.nodes[node, CONDITION] >= 0:
+            number = packed.nodes[node, CONDITION]
+            bound = np.empty(self.schema.n_parameters + 2, dtype=np.int64)
+            place = (scene.matrix, scene.objects(0), scene.arguments[0], bound, point)
+            is_true = condition_holds(packed, number, *place)
+            condition = self.conditions[number]
+            met.append((condition, is_true, bound[: self.schema.n_parameters + condition.n_free]))
+            node = packed.nodes[node, YES if is_true else NO]
+        return met
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form, with format name and version."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "schema": self.schema.to_dict(),
+            "start": self.start.tolist(),
+            "weights": self.weights.tolist(),
+            "trees": [tree.to_dict() for tree in self.trees],
+        }
+
+    @classmethod
+    def from_dict(cls, document: object) -> Ensemble:
+        """Read what `to_dict` returned.
+
+        Raises
+        ------
+        ModelFormatError
+            If the document is malformed, too large, or of a version that this library cannot read.
+        """
+        checked = check_document(document, format=FORMAT, version=VERSION, origin="ensemble")
+        with well_formed("malformed ensemble"):
+            schema = Schema.from_dict(checked["schema"])
+            start, weights = (
+                np.array([in_range(key, each, -1e100, 1e100) for each in checked[key]])
+                for key in ("start", "weights")
+            )
+            between("the number of outputs", len(start), 1, _MOST_OUTPUTS)
+            if not isinstance(checked["trees"], list):
+                raise InputError("trees must be a list")
+            trees = tuple(SceneTree.from_dict(each, schema, len(start)) for each in checked["trees"])
+            return cls(schema, start, trees, weights)

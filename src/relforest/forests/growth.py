@@ -1,0 +1,162 @@
+"""Growing a tree of conditions by Newton steps, the most useful question first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from relforest.forests.kernels import N_NUMBERS, Plan, Search, Targets, best_condition
+from relforest.forests.scene_tree import Node, SceneTree, Split, Value
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.forests.settings import GrowthSettings
+    from relforest.forests.tables import ConditionTable
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Question:
+    """The best condition found for a leaf, as rows of numbers in one of the tables."""
+
+    table: ConditionTable
+    numbers: NDArray[np.float64]
+    at_least: int
+    gain: float
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Open:
+    """A leaf that may still be divided."""
+
+    node: int
+    scenes: NDArray[np.int64]
+    question: _Question | None
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class GrownTree:
+    """A tree, and how its questions answer in the tables it was grown from.
+
+    Parameters
+    ----------
+    tree : SceneTree
+    questions : tuple of (table number, numbers, at_least)
+        One per split, in the order of the nodes.
+    """
+
+    tree: SceneTree
+    questions: tuple[tuple[ConditionTable, NDArray[np.float64], int], ...]
+
+    def leaves(self, scenes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the number of the leaf of each training scene (n,)."""
+        ordinal = {node: number for number, node in enumerate(self.tree.leaves)}
+        out = np.empty(len(scenes), dtype=np.int64)
+        asked = iter(self.questions)
+        arrived = {0: np.arange(len(scenes))}
+        for index, node in enumerate(self.tree.nodes):
+            here = arrived.pop(index)
+            if isinstance(node, Value):
+                out[here] = ordinal[index]
+                continue
+            table, numbers, at_least = next(asked)
+            is_true = table.holds(numbers, at_least, scenes[here])
+            arrived[node.yes], arrived[node.no] = here[is_true], here[~is_true]
+        return out
+
+
+def grow_tree(
+    tables: tuple[ConditionTable, ...],
+    scenes: NDArray[np.int64],
+    targets: Targets,
+    settings: GrowthSettings,
+    rng: np.random.Generator,
+) -> GrownTree:
+    """Grow a tree whose leaves say which Newton step lowers the loss most.
+
+    Parameters
+    ----------
+    tables : tuple of ConditionTable
+    scenes : int64 ndarray (n,)
+        The scenes to learn from.
+    targets : Targets
+        First and second derivatives of the loss, for all scenes of the tables.
+    settings : GrowthSettings
+    rng : Generator
+        Decides what is tried.
+
+    Notes
+    -----
+    The gain of a question is ``(G_y^2 / (H_y + l) + G_n^2 / (H_n + l) - G^2 / (H + l)) / 2``, with the sums
+    of first and second derivatives on both sides, and a leaf says ``-G / (H + l)`` (Chen and Guestrin, 2016,
+    XGBoost, eq. 5 and 7).
+    """
+    plan = Plan(
+        settings.max_statements,
+        settings.max_count,
+        settings.n_discs,
+        settings.min_scenes,
+        settings.first_share,
+        settings.share,
+        settings.penalty,
+    )
+
+    def opened(node: int, here: NDArray[np.int64]) -> _Open:
+        enough = len(here) >= 2 * settings.min_scenes
+        return _Open(node, here, _best_question(tables, here, targets, plan, rng) if enough else None)
+
+    nodes: list[Node | None] = [None]
+    asked: dict[int, _Question] = {}
+    frontier = [opened(0, scenes)]
+    n_leaves = 1
+    while n_leaves < settings.max_leaves:
+        chosen = max(frontier, key=lambda leaf: leaf.question.gain if leaf.question else 0.0)
+        question = chosen.question
+        if question is None:
+            break
+        is_true = question.table.holds(question.numbers, question.at_least, chosen.scenes)
+        condition = question.table.condition(question.numbers, question.at_least)
+        nodes[chosen.node] = Split(condition, len(nodes), len(nodes) + 1, 0.5 * question.gain)
+        asked[chosen.node] = question
+        frontier.remove(chosen)
+        n_leaves += 1
+        for side in (chosen.scenes[is_true], chosen.scenes[~is_true]):
+            last = n_leaves == settings.max_leaves
+            frontier.append(_Open(len(nodes), side, None) if last else opened(len(nodes), side))
+            nodes.append(None)
+    for leaf in frontier:
+        gradient = targets.gradients[leaf.scenes].sum(axis=0)
+        curvature = targets.curvatures[leaf.scenes].sum(axis=0)
+        step = -gradient / (curvature + settings.penalty)
+        nodes[leaf.node] = Value(tuple(step.tolist()), len(leaf.scenes))
+    tree = SceneTree(tuple(node for node in nodes if node is not None))
+    ordered = (asked[index] for index in sorted(asked))
+    return GrownTree(tree, tuple((each.table, each.numbers, each.at_least) for each in ordered))
+
+
+def _best_question(
+    tables: tuple[ConditionTable, ...],
+    scenes: NDArray[np.int64],
+    targets: Targets,
+    plan: Plan,
+    rng: np.random.Generator,
+) -> _Question | None:
+    best: _Question | None = None
+    for table in tables:
+        statements = np.zeros((plan.most_statements, N_NUMBERS))
+        n_choices = table.table.values.shape[1]
+        work = Search(
+            np.empty(len(scenes)),
+            np.zeros(n_choices, dtype=np.bool_),
+            np.zeros(n_choices, dtype=np.bool_),
+            np.empty((2, 2, targets.gradients.shape[1])),
+        )
+        gain, n, at_least = best_condition(table.table, scenes, targets, plan, rng, statements, work)
+        if n and (best is None or gain > best.gain):
+            best = _Question(table, statements[:n].copy(), at_least, gain)
+    return best

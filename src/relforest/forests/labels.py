@@ -1,0 +1,123 @@
+"""Labels, targets and weights of scenes, checked before anything is learned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from sklearn.utils.class_weight import compute_sample_weight
+
+from relforest.scenes import Scenes
+from relforest.scenes.labels import labels_of_classes
+from relforest.support.errors import InputError
+from relforest.support.masks import refuse_masked
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class ClassTargets:
+    """The class of each scene.
+
+    Parameters
+    ----------
+    classes : ndarray (n_classes,)
+        In sorted order.
+    numbers : int64 ndarray (n,)
+        Place of the label of each scene in `classes`.
+    weights : ndarray (n,)
+        With a mean of 1.
+    """
+
+    classes: NDArray[Any]
+    numbers: NDArray[np.int64]
+    weights: NDArray[np.float64]
+
+
+def checked_scenes(scenes: object) -> Scenes:
+    """Return scenes; `InputError` for anything else."""
+    if not isinstance(scenes, Scenes):
+        msg = f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
+        raise InputError(msg)
+    return scenes
+
+
+def class_targets(
+    y: ArrayLike, n: int, sample_weight: ArrayLike | None, class_weight: object
+) -> ClassTargets:
+    """Check labels and weights.
+
+    Raises
+    ------
+    InputError
+        If the labels are not of at least two classes, or a class has no weight; see `weights_of` as well.
+    """
+    classes, numbers = labels_of_classes(y, n, what="scenes")
+    weights = weights_of(sample_weight, n)
+    if class_weight is not None:
+        try:
+            weights = weights * compute_sample_weight(class_weight, classes[numbers])
+        except (ValueError, TypeError) as error:
+            raise InputError(f"class_weight is not understood: {error}") from error
+        weights = weights_of(weights, n)
+    totals = np.bincount(numbers, weights, len(classes))
+    if not (totals > 0).all():
+        lost = classes[np.flatnonzero(totals <= 0)[0]]
+        raise InputError(f"all scenes of class {lost!r} have weight 0: give at least one a positive weight")
+    return ClassTargets(classes, numbers, weights)
+
+
+def real_targets(y: ArrayLike, n: int) -> NDArray[np.float64]:
+    """Return real targets as float64.
+
+    Raises
+    ------
+    InputError
+        If their number is wrong, one is missing, NaN or infinite, or all are equal.
+    """
+    refuse_masked(y, "y")
+    try:
+        values = np.asarray(y, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"targets must be numbers: {error}") from error
+    if values.shape != (n,):
+        raise InputError(f"got targets of shape {values.shape} for {n} scenes: give one number for each")
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if wrong.size:
+        raise InputError(f"target {wrong[0]} is {values[wrong[0]]}: targets must be finite numbers")
+    if np.abs(values).max() > 1e50:
+        raise InputError("targets exceed 1e50: use other units")
+    if values.min() == values.max():
+        raise InputError(f"all targets are {values[0]:g}: there is nothing to learn")
+    return values
+
+
+def weights_of(sample_weight: ArrayLike | None, n: int) -> NDArray[np.float64]:
+    """Return the weights of scenes, scaled to a mean of 1; all 1 by default.
+
+    Raises
+    ------
+    InputError
+        If their number is wrong, one is negative, NaN or infinite, or all are 0.
+    """
+    if sample_weight is None:
+        return np.ones(n)
+    refuse_masked(sample_weight, "sample_weight")
+    try:
+        weights = np.asarray(sample_weight, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"sample_weight must be numbers: {error}") from error
+    if weights.shape != (n,):
+        raise InputError(f"sample_weight has the shape {weights.shape}, but there are {n} scenes")
+    wrong = np.flatnonzero(~(np.isfinite(weights) & (weights >= 0.0)))
+    if wrong.size:
+        raise InputError(
+            f"the weight of scene {wrong[0]} is {weights[wrong[0]]}: weights are finite and not negative"
+        )
+    total = weights.sum()
+    if not total > 0.0:
+        raise InputError("all weights are 0: give at least one scene a positive weight")
+    return np.asarray(weights * (n / total))

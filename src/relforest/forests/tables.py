@@ -1,0 +1,172 @@
+"""The tables that conditions are sought in, one for each number of free variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from relforest.forests.bindings import bindings, column_values
+from relforest.forests.columns import Column, columns
+from relforest.forests.conditions import Condition
+from relforest.forests.kernels import (
+    AT_LEAST,
+    AT_MOST,
+    CENTRE,
+    FIRST,
+    IS,
+    IS_NOT,
+    KIND,
+    LARGE,
+    LIMIT,
+    N_NUMBERS,
+    NEAR,
+    NEAR_ANGLE,
+    SECOND,
+    SMALL,
+    WEIGHT,
+    Table,
+    holds,
+)
+from relforest.forests.statements import Bound, Is, Near, Statement, Test, is_category
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from relforest.scenes import Scenes
+
+# Components that can have either sign with the same meaning on both sides.
+_SIGNED: Final = frozenset({"difference", "reframe", "scaled_reframe"})
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class ConditionTable:
+    """All choices of `n_free` objects in a batch of scenes, with the values of all columns.
+
+    Parameters
+    ----------
+    n_free : int
+    columns : tuple of Column
+    table : Table
+        The same as arrays, for kernels.
+    n_sampled : int
+        Scenes of which only a sample of the choices is kept.
+    """
+
+    n_free: int
+    columns: tuple[Column, ...]
+    table: Table
+    n_sampled: int
+
+    def condition(self, numbers: NDArray[np.float64], at_least: int) -> Condition:
+        """Return the condition that a search found, from the rows of its statements."""
+        return Condition(self.n_free, tuple(map(self._statement, numbers)), at_least)
+
+    def holds(
+        self, numbers: NDArray[np.float64], at_least: int, scenes: NDArray[np.int64]
+    ) -> NDArray[np.bool_]:
+        """Return for which of the scenes (n,) a condition holds."""
+        out = np.empty(len(scenes), dtype=np.bool_)
+        holds(self.table, scenes, numbers, at_least, out)
+        return out
+
+    def _statement(self, row: NDArray[np.float64]) -> Statement:
+        column = self.columns[int(row[FIRST])]
+        return Statement(column.mapping, column.variables, _test(row, column.component))
+
+
+def condition_tables(
+    scenes: Scenes, max_free: int, *, most: int, rng: np.random.Generator
+) -> tuple[ConditionTable, ...]:
+    """Return the tables for 0 to `max_free` free variables that have columns and choices.
+
+    Parameters
+    ----------
+    scenes : Scenes
+    max_free : int
+    most : int
+        Most choices per scene on average; see `bindings`.
+    rng : Generator
+        For sampling choices.
+    """
+    tables = []
+    for n_free in range(max_free + 1):
+        found = columns(scenes.schema, n_free)
+        if not found:
+            continue
+        choices, n_sampled = bindings(scenes, n_free, most=most, rng=rng)
+        if len(choices.rows):
+            values = column_values(scenes, found, choices.rows)
+            free = set(range(scenes.schema.n_parameters, scenes.schema.n_parameters + n_free))
+            first = np.array([free <= set(column.variables) for column in found])
+            table = _table(found, values, choices.starts, first)
+            if table.firsts.any():
+                tables.append(ConditionTable(n_free, found, table, n_sampled))
+    return tuple(tables)
+
+
+def _table(
+    found: tuple[Column, ...],
+    values: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    first: NDArray[np.bool_],
+) -> Table:
+    bounds: list[tuple[int, int]] = []
+    categories: list[tuple[int, int, int]] = []
+    discs: list[tuple[int, int, int]] = []
+    scales = np.ones(len(found))
+    for number, column in enumerate(found):
+        defined = values[number][~np.isnan(values[number])]
+        mapping = column.mapping
+        if len(defined) == 0 or defined.min() == defined.max():
+            continue
+        if is_category(mapping):
+            kinds = (IS, IS_NOT)
+            # Of two categories, being one is not being the other.
+            present = np.unique(defined).astype(int).tolist()
+            chosen = (
+                [(IS, each) for each in present]
+                if len(present) == 2
+                else [(kind, each) for kind in kinds for each in present]
+            )
+            categories += [(kind, number, each) for kind, each in chosen]
+            continue
+        scales[number] = defined.std()
+        if mapping.space == "circle":
+            discs.append((NEAR_ANGLE, number, -1))
+            continue
+        bounds += [(AT_MOST, number), (AT_LEAST, number)]
+        if mapping.operation in _SIGNED:
+            bounds += [(SMALL, number), (LARGE, number)]
+        if mapping.dim == 2:
+            if column.component == 0:
+                discs.append((NEAR, number, number + 1))
+        else:
+            discs.append((NEAR, number, -1))
+    possible = [
+        np.array(entries, dtype=np.int64).reshape(-1, width)
+        for entries, width in ((bounds, 2), (categories, 3), (discs, 3))
+    ]
+    firsts = np.array([np.count_nonzero(first[rows[:, 1]]) for rows in possible])
+    by_rank = [rows[np.argsort(~first[rows[:, 1]], kind="stable")] for rows in possible]
+    return Table(values, starts, by_rank[0], by_rank[1], by_rank[2], firsts, scales)
+
+
+def _test(row: NDArray[np.float64], component: int) -> Test:
+    kind, limit = int(row[KIND]), float(row[LIMIT])
+    match kind:
+        case _ if kind in {AT_MOST, SMALL}:
+            return Bound(component, "at most", limit, absolute=kind == SMALL)
+        case _ if kind in {AT_LEAST, LARGE}:
+            return Bound(component, "at least", -limit, absolute=kind == LARGE)
+        case _ if kind in {IS, IS_NOT}:
+            return Is(int(row[CENTRE]), negated=kind == IS_NOT)
+    dim = 1 if row[SECOND] < 0 else 2
+    centre = row[CENTRE : CENTRE + dim].tolist()
+    radii = np.sqrt(limit / row[WEIGHT : WEIGHT + dim]).tolist()
+    return Near(component, tuple(centre), tuple(radii))
+
+
+__all__ = ["N_NUMBERS", "ConditionTable", "condition_tables"]

@@ -1,0 +1,225 @@
+"""Conditions in words."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from relforest.forests.statements import Bound, Is, Near, Statement
+from relforest.support.numerals import ends, number
+
+if TYPE_CHECKING:
+    from relforest.forests.conditions import Condition
+    from relforest.scenes import Schema
+
+_AXES: Final = ("x", "y", "z")
+_LETTERS: Final = "CD"
+
+
+class _Phrase(NamedTuple):
+    """A statement as subject and predicate."""
+
+    subject: str
+    predicate: str
+
+
+class _Range(NamedTuple):
+    """What a test allows a number to be."""
+
+    low: float
+    high: float
+    absolute: bool = False
+
+
+def sentence(condition: Condition, schema: Schema) -> str:
+    """Return a condition as a sentence without a full stop.
+
+    Arguments go by their names, and a free variable is "some object".
+
+    Examples
+    --------
+    >>> from relforest import Attribute, Schema
+    >>> from relforest.forests import Condition
+    >>> from relforest.forests.statements import Bound, Is, Statement
+    >>> from relforest.mappings import Mapping
+    >>> location = Attribute("location", 2)
+    >>> team = Attribute("team", kind="category", categories=["own", "opponent"])
+    >>> near = Statement(Mapping("distance", location), (0, 1), Bound(0, "at most", 3.0))
+    >>> other = Statement(Mapping("identity", team), (1,), Is(1))
+    >>> sentence(Condition(1, (other, near)), Schema([location, team], ["passer"]))
+    'some object has team opponent and is within 3 of the passer'
+    """
+    n_arguments = schema.n_parameters
+    alone = condition.n_free == 1 and condition.at_least == 1
+    names = [f"the {name}" for name in schema.parameters]
+    names += [""] if alone else list(_LETTERS[: condition.n_free])
+    phrases = [_phrase(statement, names) for statement in condition.statements]
+    if condition.n_free == 0:
+        return _joined([f"{phrase.subject} {phrase.predicate}" for phrase in phrases])
+    if alone:
+        own = _joined([phrase.predicate for phrase in phrases if not phrase.subject])
+        rest = [f"{phrase.subject} {phrase.predicate}" for phrase in phrases if phrase.subject]
+        return "; ".join([f"some object {own}" if own else "there is another object", *rest])
+    about = _joined([f"{phrase.subject} {phrase.predicate}" for phrase in phrases])
+    letters = " and ".join(names[n_arguments:])
+    if condition.at_least == 1:
+        return f"there are objects {letters} such that {about}"
+    things = "objects" if condition.n_free == 1 else "pairs of objects"
+    return f"there are at least {condition.at_least} {things} {letters} such that {about}"
+
+
+def _phrase(statement: Statement, names: list[str]) -> _Phrase:
+    mapping, test = statement.mapping, statement.test
+    attribute = mapping.attribute
+    *others, subject = (names[variable] for variable in statement.variables)
+    # An object without a name of its own is the subject.
+    if mapping.arity == 2 and "" in others:
+        others, subject = [subject], ""
+    others = [other or "it" for other in others]
+    if isinstance(test, Is):
+        if mapping.operation == "same":
+            likeness = "the same" if (test.category == 1) != test.negated else "another"
+            joint = "as" if likeness == "the same" else "than"
+            return _Phrase(subject, f"has {likeness} {attribute.name} {joint} {others[0]}")
+        does = "does not have" if test.negated else "has"
+        return _Phrase(subject, f"{does} {attribute.name} {attribute.categories[test.category]}")
+    if isinstance(test, Near) and len(test.centre) == 2:
+        return _Phrase(subject, _ellipse(statement, test, others))
+    return _Phrase(subject, _number(statement, _range(test), others))
+
+
+def _range(test: Bound | Near) -> _Range:
+    if isinstance(test, Near):
+        return _Range(test.centre[0] - test.radii[0], test.centre[0] + test.radii[0])
+    if test.side == "at most":
+        return _Range(-math.inf, test.limit, test.absolute)
+    return _Range(test.limit, math.inf, test.absolute)
+
+
+def _number(statement: Statement, limits: _Range, others: list[str]) -> str:
+    mapping = statement.mapping
+    name, dim = mapping.attribute.name, mapping.attribute.dim
+    component = statement.test.component if isinstance(statement.test, (Bound, Near)) else 0
+    match mapping.operation:
+        case "identity":
+            return f"has {_component(name, dim, component)} {_limits(limits)}"
+        case "distance":
+            return f"is {_distance(limits)} {others[0]}" + _as_to(name)
+        case "scaled_distance":
+            far = _limits(limits)
+            return f"is {far} times as far from {others[0]} as {others[1]} is" + _as_to(name)
+        case "bearing":
+            low = max(math.degrees(limits.low), 0.0) if math.isfinite(limits.low) else limits.low
+            turned = _Range(low, math.degrees(limits.high))
+            return f"is seen from {others[0]} {_limits(turned)} degrees away from {others[1]}" + _as_to(name)
+        case "difference":
+            part = _component(name, dim, component)
+            if limits.absolute and math.isinf(limits.high):
+                return f"differs in {part} by at least {number(limits.low)} from {others[0]}"
+            return f"has {part} {_difference(limits)} that of {others[0]}"
+        case "reframe" | "scaled_reframe":
+            return _in_frame(limits, component, others, scaled=mapping.operation != "reframe") + _as_to(name)
+    raise AssertionError(mapping.operation)
+
+
+def _component(name: str, dim: int, component: int) -> str:
+    if dim == 1:
+        return name
+    if name == "location" and dim <= len(_AXES):
+        return _AXES[component]
+    return f"component {component + 1} of {name}"
+
+
+def _as_to(name: str) -> str:
+    return "" if name == "location" else f" in {name}"
+
+
+def _limits(limits: _Range) -> str:
+    if math.isinf(limits.low):
+        return f"at most {number(limits.high)}"
+    if math.isinf(limits.high):
+        return f"at least {number(limits.low)}"
+    low, high = ends(limits.low, limits.high)
+    return f"between {low} and {high}"
+
+
+def _distance(limits: _Range) -> str:
+    if limits.low <= 0.0 and math.isfinite(limits.high):
+        return f"within {number(limits.high)} of"
+    return f"{_limits(limits)} from"
+
+
+def _difference(limits: _Range) -> str:
+    low, high = limits.low, limits.high
+    if limits.absolute:
+        return f"within {number(high)} of"
+    if math.isinf(low):
+        return f"at most {number(high)} above" if high >= 0.0 else f"at least {number(-high)} below"
+    if math.isinf(high):
+        return f"at least {number(low)} above" if low >= 0.0 else f"at most {number(-low)} below"
+    if low >= 0.0:
+        return f"{_limits(limits)} above"
+    if high <= 0.0:
+        return f"{_limits(_Range(-high, -low))} below"
+    return f"from {number(-low)} below to {number(high)} above"
+
+
+def _in_frame(limits: _Range, component: int, others: list[str], *, scaled: bool) -> str:
+    start, end = others
+    low, high = limits.low, limits.high
+    line = f"the line from {start} to {end}"
+    unit = " times its length" if scaled else ""
+    if component == 0 and scaled:
+        if not limits.absolute:
+            return f"is {_limits(limits)} of the way from {start} to {end}"
+        side = f"at most {number(high)}" if math.isinf(low) else f"at least {number(low)}"
+        return f"is {side} of the way from {start}, towards {end} or away from it"
+    if component == 0:
+        if limits.absolute:
+            side = "at most" if math.isinf(low) else "at least"
+            far = number(high if math.isinf(low) else low)
+            return f"is {side} {far} in front of or behind {start}, facing {end}"
+        if math.isinf(low):
+            far = f"at most {number(high)} in front of" if high >= 0.0 else f"at least {number(-high)} behind"
+        elif math.isinf(high):
+            far = f"at least {number(low)} in front of" if low >= 0.0 else f"at most {number(-low)} behind"
+        else:
+            far = f"{_limits(limits)} in front of"
+        return f"is {far} {start}, facing {end}"
+    if limits.absolute:
+        far = f"within {number(high)}" if math.isinf(low) else f"at least {number(low)}"
+        return f"is {far}{unit} {'of' if math.isinf(low) else 'from'} {line}"
+    if math.isinf(low):
+        far = (
+            f"at most {number(high)}{unit} left of"
+            if high >= 0.0
+            else f"at least {number(-high)}{unit} right of"
+        )
+    elif math.isinf(high):
+        far = (
+            f"at least {number(low)}{unit} left of"
+            if low >= 0.0
+            else f"at most {number(-low)}{unit} right of"
+        )
+    else:
+        far = f"{_limits(limits)}{unit} left of"
+    return f"is {far} {line}"
+
+
+def _ellipse(statement: Statement, test: Near, others: list[str]) -> str:
+    mapping = statement.mapping
+    centre = f"({number(test.centre[0])}, {number(test.centre[1])})"
+    axes = f"{number(test.radii[0])} and {number(test.radii[1])}"
+    start, end = others[0] if others else "", others[-1] if others else ""
+    where = {
+        "identity": "",
+        "difference": f", {start} at (0, 0)",
+        "reframe": f", {start} at (0, 0) facing {end} along (1, 0)",
+        "scaled_reframe": f", {start} at (0, 0) and {end} at (1, 0)",
+    }[mapping.operation]
+    verb = "is" if mapping.attribute.name == "location" else f"has {mapping.attribute.name}"
+    return f"{verb} in the ellipse around {centre} with half-axes {axes}{where}"
+
+
+def _joined(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}" if parts else ""

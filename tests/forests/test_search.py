@@ -1,0 +1,146 @@
+"""The search for conditions: limits by brute force, gains as defined, tables that agree with evaluation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from forest_scenes import random_scenes
+from relforest.forests import Ensemble, GrowthSettings
+from relforest.forests.bindings import bindings
+from relforest.forests.columns import columns
+from relforest.forests.growth import grow_tree
+from relforest.forests.kernels import Plan, Search, Targets, best_limit
+from relforest.forests.tables import condition_tables
+from relforest.scenes import Attribute, Schema
+
+
+def score(targets: Targets, chosen: NDArray[Any], penalty: float) -> float:
+    g, h = targets.gradients[chosen].sum(axis=0), targets.curvatures[chosen].sum(axis=0)
+    return float((g**2 / (h + penalty)).sum())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_best_limit_is_that_of_brute_force(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, least_scenes, penalty = 30, 1 + seed, 0.5
+    values = rng.integers(0, 12, n).astype(np.float64)
+    values[rng.random(n) < 0.2] = np.inf
+    targets = Targets(rng.standard_normal((n, 2)), rng.uniform(0.1, 1, (n, 2)))
+    plan = Plan(1, 1, 0, least_scenes, 1.0, 1.0, penalty)
+    work = Search(values.copy(), np.empty(0, bool), np.empty(0, bool), np.empty((2, 2, 2)))
+
+    is_category = False
+    gain, limit = best_limit(np.arange(n), targets, is_category, plan, work)
+
+    gains = {}
+    for threshold in np.unique(values[values < np.inf]):
+        inside = values <= threshold
+        if least_scenes <= inside.sum() <= n - least_scenes:
+            gains[threshold] = (
+                score(targets, inside, penalty)
+                + score(targets, ~inside, penalty)
+                - score(targets, np.ones(n, bool), penalty)
+            )
+    best = max(gains, key=lambda threshold: gains[threshold])
+    assert gain == pytest.approx(gains[best])
+    assert np.array_equal(values <= limit, values <= best)
+
+
+@pytest.mark.parametrize(("n_parameters", "max_count"), [(0, 1), (1, 3), (2, 1)])
+def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
+    n_parameters: int, max_count: int
+) -> None:
+    rng = np.random.default_rng(n_parameters)
+    scenes = random_scenes(rng, 80, n_parameters)
+    targets = Targets(rng.standard_normal((80, 1)), np.ones((80, 1)))
+    settings = GrowthSettings(max_leaves=5, max_count=max_count, penalty=2.0)
+    tables = condition_tables(scenes, 2, most=1000, rng=rng)
+
+    grown = grow_tree(tables, np.arange(80), targets, settings, rng)
+
+    tree = grown.tree
+    ensemble = Ensemble(scenes.schema, np.zeros(1), (tree,), np.ones(1))
+    leaves = ensemble.leaves(scenes)[:, 0]
+    assert np.array_equal(leaves, grown.leaves(np.arange(80)))
+    assert len(tree.leaves) == 5
+    assert np.bincount(leaves).tolist() == [tree.nodes[leaf].n_scenes for leaf in tree.leaves]  # type: ignore[union-attr]
+    assert np.bincount(leaves).min() >= settings.min_scenes
+    for number, value in enumerate(tree.values[:, 0]):
+        inside = leaves == number
+        assert value == pytest.approx(-targets.gradients[inside].sum() / (inside.sum() + 2.0))
+    total = sum(score(targets, leaves == number, 2.0) for number in range(5))
+    gained = 0.5 * (total - score(targets, np.ones(80, bool), 2.0))
+    assert sum(split.gain for split in tree.splits) == pytest.approx(gained)
+
+
+def test_the_limit_of_a_category_separates_right_from_wrong() -> None:
+    # Two scenes where it is right, two where it is wrong, two without a choice; these differ most.
+    work = Search(
+        np.array([0.0, 0.0, 1.0, 1.0, np.inf, np.inf]),
+        np.empty(0, bool),
+        np.empty(0, bool),
+        np.empty((2, 2, 1)),
+    )
+    targets = Targets(np.array([[1.0], [1], [0], [0], [-9], [-9]]), np.ones((6, 1)))
+    is_category = True
+    gain, limit = best_limit(np.arange(6), targets, is_category, Plan(1, 1, 0, 1, 1.0, 1.0, 1.0), work)
+
+    # 2^2 / 3 + 18^2 / 5 - 16^2 / 7.
+    assert gain == pytest.approx(4 / 3 + 324 / 5 - 256 / 7)
+    assert limit == 0.5
+
+
+def test_columns_see_free_objects_from_the_arguments() -> None:
+    schema = Schema([Attribute("location", 2, operations=["distance", "reframe"])], ["passer", "target"])
+
+    found = {(each.mapping.name, each.variables) for each in columns(schema, 1)}
+
+    # 0 and 1 are passer and target, 2 is free: of three objects it comes last.
+    assert found == {
+        ("distance(location)", (0, 1)),
+        ("distance(location)", (0, 2)),
+        ("distance(location)", (1, 2)),
+        *(
+            (f"{operation}(location)", order)
+            for operation in ("reframe", "scaled_distance", "bearing")
+            for order in ((0, 1, 2), (1, 0, 2))
+        ),
+    }
+
+
+@pytest.mark.parametrize("n_free", [0, 1, 2])
+def test_all_choices_of_free_objects_are_listed_once(n_free: int) -> None:
+    rng = np.random.default_rng(n_free)
+    scenes = random_scenes(rng, 20, 2)
+    found, n_sampled = bindings(scenes, n_free, most=1000, rng=rng)
+
+    assert n_sampled == 0
+    for scene in range(20):
+        rows = found.rows[found.starts[scene] : found.starts[scene + 1]]
+        free = set(scenes.objects(scene).tolist()) - set(scenes.arguments[scene].tolist())
+        k = len(free)
+        assert len(rows) == [1, k, k * (k - 1)][n_free]
+        assert (rows[:, :2] == scenes.arguments[scene]).all()
+        chosen = {tuple(row) for row in rows[:, 2:].tolist()}
+        assert len(chosen) == len(rows)
+        assert all(set(choice) <= free and len(set(choice)) == n_free for choice in chosen)
+
+
+def test_too_many_choices_are_sampled_evenly() -> None:
+    rng = np.random.default_rng(0)
+    scenes = random_scenes(rng, 30, 0, most=9)
+    everything, _ = bindings(scenes, 2, most=1000, rng=rng)
+    some, n_sampled = bindings(scenes, 2, most=5, rng=rng)
+
+    sizes, all_sizes = np.diff(some.starts), np.diff(everything.starts)
+    assert np.array_equal(sizes, np.minimum(all_sizes, 5))
+    assert n_sampled == np.count_nonzero(all_sizes > 5)
+    for scene in range(30):
+        chosen = {tuple(row) for row in some.rows[some.starts[scene] : some.starts[scene + 1]].tolist()}
+        possible = everything.rows[everything.starts[scene] : everything.starts[scene + 1]].tolist()
+        assert len(chosen) == sizes[scene]
+        assert chosen <= {tuple(row) for row in possible}
