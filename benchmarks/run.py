@@ -1,6 +1,7 @@
 """Run all benchmarks, print their tables and save them under ``benchmarks/results``.
 
-Times are CPU times of one thread on this machine; every ratio compares with a peer measured in the same run.
+Times are CPU times of one thread on this machine, unless a table says otherwise; every ratio compares with a
+peer measured in the same run.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import bench_compile
 import bench_covagg
 import bench_keepaway
 import bench_startup
+import bench_stream
 import bench_tree
 import numba
 import numpy as np
@@ -32,6 +34,7 @@ def main() -> None:
     bench_blocks.run().report()
     bench_compile.run().report()
     bench_startup.run().report()
+    bench_stream.run().report()
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ from relforest.rl.peers import SarsaSettings, TileCoding, make_team
 from relforest.rl.policy_file import read_policy, write_policy, write_tree
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
-from relforest.scenes import Attribute, Scenes, read_table
+from relforest.scenes import Attribute, Scenes, iter_scene_batches, read_table
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
 from relforest.trees import query
@@ -133,6 +133,11 @@ def _foreign_parquet(folder: Path) -> None:
 def _own_scenes(path: Path) -> None:
     scenes = Scenes.from_parquet(path)
     assert len(scenes.scene_ids) == len(scenes)
+
+
+def _stream(source: Path, **columns: Any) -> None:
+    for scenes in iter_scene_batches(source, batch_size=4, **columns):
+        assert len(scenes.scene_ids) == len(scenes)
 
 
 def _model(folder: Path) -> None:
@@ -269,6 +274,16 @@ FORMATS: Final[Mapping[str, Format]] = {
     ),
     "parquet, foreign": Format(
         _foreign_parquet, {"table.parquet": damaged}, lambda folder: _frame(folder / "table.parquet")
+    ),
+    "parquet, streamed": Format(
+        lambda folder: SCENES.take([0, 1, 0, 2]).to_parquet(folder / "scenes.parquet"),
+        {"scenes.parquet": damaged},
+        lambda folder: _stream(folder / "scenes.parquet"),
+    ),
+    "parquet, foreign, streamed": Format(
+        _foreign_parquet,
+        {"table.parquet": damaged},
+        lambda folder: _stream(folder, scene="scene", object="object", attributes=ATTRIBUTES),
     ),
     "bags as csv": Format(
         lambda folder: (folder / "bags.csv").write_text(BAGS),

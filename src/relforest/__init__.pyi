@@ -24,7 +24,7 @@ from .forests import (
 )
 from .mil import CovAggClassifier
 from .rl import SMRFRPI
-from .scenes import Attribute, Scenes, Schema
+from .scenes import Attribute, Scenes, Schema, iter_scene_batches
 from .support.progress import Stage, listening
 from .trees import SMRFTreeClassifier, Tree
 from .worlds import ENVIRONMENT_IDS
@@ -49,6 +49,7 @@ __all__ = [
     "datasets",
     "experiments",
     "forests",
+    "iter_scene_batches",
     "listening",
     "mappings",
     "metrics",

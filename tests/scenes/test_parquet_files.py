@@ -11,7 +11,7 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
-from relforest.scenes import Scenes, read_table
+from relforest.scenes import Scenes, parquet_files, read_table
 from relforest.scenes.parquet_files import open_parquet, parquet_from_bytes
 from relforest.support.errors import InputError
 
@@ -76,6 +76,20 @@ def test_other_files_are_refused(content: bytes, tmp_path: Path) -> None:
         open_parquet(tmp_path / "t.parquet")
     with pytest.raises(InputError, match="stream is not a readable Parquet file"):
         parquet_from_bytes(content, "stream")
+
+
+@pytest.mark.parametrize("buffered_from", [0, 2**20])
+def test_blocks_have_the_rows_of_the_whole(
+    buffered_from: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(parquet_files, "_BUFFERED_FROM", buffered_from)
+    path = write(tmp_path / "t.parquet", s=pa.array(["b", None]).dictionary_encode())
+    file = parquet_files.ParquetFile.at(path)
+    blocks = list(file.blocks(["x", "s"], 1))
+
+    assert [block.to_pydict() for block in blocks] == [{"x": [0.5], "s": ["b"]}, {"x": [1.5], "s": [None]}]
+    assert pa.concat_tables(blocks).equals(file.load(["x", "s"]))
+    assert file.footer()[0]["s"] == blocks[0].schema.field("s").type
 
 
 def test_damage_to_a_page_is_noticed(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import stat
 import warnings
 import zipfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +50,20 @@ def test_written_bytes_are_read_back_and_replace_what_was_there(tmp_path: Path) 
 
     assert target.read_bytes() == b"new"
     assert names_in(target.parent) == ["model.bin"]
+
+
+def test_a_file_written_in_pieces_appears_when_it_is_complete(tmp_path: Path) -> None:
+    target = tmp_path / "a" / "table.bin"
+    with files.replacing(target) as temporary:
+        temporary.write_bytes(b"part")
+        assert files.is_temporary(temporary)
+        assert not target.exists()
+    with suppress(KeyboardInterrupt), files.replacing(target) as temporary:
+        temporary.write_bytes(b"other")
+        raise KeyboardInterrupt
+
+    assert target.read_bytes() == b"part"
+    assert names_in(target.parent) == ["table.bin"]
 
 
 @contextmanager

@@ -39,6 +39,23 @@ def test_a_backend_configured_by_the_user_is_used() -> None:
         assert run_tasks(os.getpid, [(), ()], n_jobs=2, prefer="processes") == [os.getpid()] * 2
 
 
+@pytest.mark.parametrize("prefer", ["threads", "processes"])
+def test_a_cluster_of_dask_gives_the_same_results(prefer: Literal["threads", "processes"]) -> None:
+    distributed = pytest.importorskip("distributed")
+    tasks = [(generator(np.random.SeedSequence(task)).standard_normal((20, 20)),) for task in range(4)]
+    expected = run_tasks(np.linalg.inv, tasks, prefer=prefer)
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster),
+        joblib.parallel_config("dask"),
+    ):
+        found = run_tasks(np.linalg.inv, tasks, n_jobs=2, prefer=prefer)
+
+    np.testing.assert_array_equal(found, expected)
+
+
 def test_all_cores_may_be_used() -> None:
     assert run_tasks(divmod, [(7, 2), (9, 4)], n_jobs=-1, prefer="threads") == [(3, 1), (2, 1)]
 

@@ -14,8 +14,10 @@ from relforest.scenes import Attribute, Scenes, Schema, scene_values
 from relforest.scenes.arrow import ArrowTable
 from relforest.scenes.columns import listed
 from relforest.scenes.dialect import ANY_DIALECT, Dialect
-from relforest.scenes.frames import arrays_from_frame, frame_layout
+from relforest.scenes.frames import FrameLayout, arrays_from_frame, frame_layout
 from relforest.scenes.parquet import check_unchanged, is_own, own_columns, read_own
+from relforest.scenes.parquet_source import ParquetSource
+from relforest.scenes.scene_stream import SceneStream, open_stream
 from relforest.scenes.schema import KINDS
 from relforest.scenes.table_file import TableFile
 from relforest.scenes.tables import open_table
@@ -67,7 +69,7 @@ class SceneTable:
     scene_key: str
 
 
-def check_schema(origin: Path, scenes: Scenes, schema: Schema) -> None:
+def check_schema(origin: Path, scenes: Scenes | SceneStream, schema: Schema) -> None:
     """Check that the scenes of a file have the schema that a tree was learned from.
 
     Raises
@@ -143,15 +145,32 @@ def read_scenes(
             scene_key = own_columns(file)[1][-2]
             table = file.read([scene_key, *labels])
             return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
-    if columns is None:
-        raise InputError(
-            f"{path} was not written by Scenes.to_parquet: {remedy} (it has {listed(file.names)})"
-        )
-    layout = frame_layout(columns.scene, columns.object, dict(columns.attributes), columns.arguments)
+    columns = _required(columns, file, str(path), remedy)
+    layout = _layout(columns)
     table = file.read([*layout.columns, *labels])
     if is_own(file):
         check_unchanged(file, table)
     return SceneTable(Scenes(*arrays_from_frame(table, layout)), columns, table, columns.scene)
+
+
+def open_scenes(source: ParquetSource, columns: Columns | None, *, remedy: str) -> SceneStream:
+    """Return the scenes of Parquet files, to be read in batches; see `read_scenes`."""
+    if source.is_own and _own_columns(source.files[0].table, columns) is not None:
+        return open_stream(source, None)
+    file = source.files[0].table
+    return open_stream(source, _layout(_required(columns, file, source.origin, remedy)))
+
+
+def _required(columns: Columns | None, file: TableFile, origin: str, remedy: str) -> Columns:
+    if columns is None:
+        raise InputError(
+            f"{origin} was not written by Scenes.to_parquet: {remedy} (it has {listed(file.names)})"
+        )
+    return columns
+
+
+def _layout(columns: Columns) -> FrameLayout:
+    return frame_layout(columns.scene, columns.object, dict(columns.attributes), columns.arguments)
 
 
 def _as_numbers(labels: NDArray[Any], column: str) -> NDArray[Any]:

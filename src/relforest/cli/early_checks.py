@@ -31,6 +31,7 @@ _LEAST: Final = MappingProxyType(
 """The smallest value of each option that is an integer, in whatever command."""
 
 _READ: Final = {"model", "table"}
+_WILD: Final = frozenset("*?[")
 
 
 class UsageError(RelforestError):
@@ -69,8 +70,11 @@ def check_options(options: Any, arguments: Sequence[str]) -> None:  # noqa: ANN4
         if "\0" in str(path):
             raise UsageError(f"{option_name(name)} {str(path)!r}: a path cannot contain a null character")
         if name in _READ:
-            _check_present(path)
-        elif name == "out" and "force" in given:
+            # A pattern, such as data/*.parquet, is no file; the command says if nothing matches it.
+            if name != "table" or _WILD.isdisjoint(str(path)):
+                _check_present(path)
+        # A folder may be what is wanted; otherwise, the command refuses it.
+        elif name == "out" and "force" in given and not path.is_dir():
             check_free(path, force=given["force"])
 
 

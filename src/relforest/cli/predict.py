@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, final
 from tyro.conf import Positional, arg
 
 from relforest.cli.outputs import check_free, print_data
-from relforest.cli.progress import note
+from relforest.cli.progress import note, working
 
 if TYPE_CHECKING:
     from relforest.cli.model_file import Model
@@ -26,22 +26,27 @@ if TYPE_CHECKING:
 class PredictOptions:
     """Apply a learned tree to the scenes of a table.
 
-    The result is CSV, one row per scene: its id, the probability of the positive class, the more probable
-    class, the number of the leaf that decided, and the ids of the objects that led to it, one column per
-    variable. The table needs the columns that the tree was learned from, except the labels; its scenes may
-    have different numbers of objects.
+    The result is one row per scene: its id, the probability of the positive class, the more probable class,
+    the number of the leaf that decided, and the ids of the objects that led to it, one column per variable.
+    The table needs the columns that the tree was learned from, except the labels; its scenes may have
+    different numbers of objects.
+
+    Predictions are CSV, or Parquet if the table is. Parquet files of any size are read and written in pieces;
+    the rows of a scene must then be together. A folder gets a file for each one read, under the same name.
 
     For example:
       relforest predict tree.json other.parquet --out predictions.csv
+      relforest predict tree.json "parts/*.parquet" --out predictions
 
     Parameters
     ----------
     model
         Model file written by relforest fit.
     table
-        Parquet or CSV file, or a folder of Parquet files. A CSV file may be compressed (.csv.gz).
+        Parquet or CSV file, a folder of Parquet files, or a quoted pattern of them. A CSV file may be
+        compressed (.csv.gz).
     out
-        CSV file to write.
+        CSV or .parquet file to write, or a folder.
     separator
         Field separator of a CSV file: one character or "tab". Detected by default.
     decimal
@@ -51,7 +56,7 @@ class PredictOptions:
     jobs
         Threads; the result does not depend on it.
     force
-        Replace the output file if it exists.
+        Replace output files that exist.
     """
 
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
@@ -68,11 +73,19 @@ def predict(options: PredictOptions) -> int:
     """Predict with the given options; the exit code is 0."""
     from relforest.cli.columns import check_schema, read_scenes
     from relforest.cli.model_file import read_model
+    from relforest.cli.predict_stream import parquet_output, predict_files
     from relforest.scenes.dialect import Dialect
     from relforest.support.files import write_text
     from relforest.support.parallel import checked_jobs
 
     checked_jobs(options.jobs)
+    out = parquet_output(options.table, options.out)
+    if out is not None:
+        model = read_model(options.model)
+        with working(f"predicting {options.table}"):
+            n_scenes = predict_files(model, options.table, out, n_jobs=options.jobs, force=options.force)
+        note(f"wrote {n_scenes} predictions of {model.positive} to {out}")
+        return 0
     if options.out is not None:
         check_free(options.out, force=options.force)
     model = read_model(options.model)

@@ -15,6 +15,7 @@ from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arr
 from relforest.scenes.derived import add_attribute
 from relforest.scenes.frames import AttributeColumns, arrays_from_frame, frame_layout
 from relforest.scenes.ids import IdArray
+from relforest.scenes.named_columns import named_columns
 from relforest.scenes.padded import arrays_from_padded
 from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
 from relforest.scenes.parquet_files import open_parquet
@@ -320,14 +321,9 @@ class Scenes:
             If the file was written by `to_parquet` of a newer version, or was changed or damaged since.
         """
         file = open_parquet(path)
-        if scene is None and object is None and attributes is None and not arguments and is_own(file):
+        layout = named_columns(path, scene, object, attributes, arguments, own=is_own(file))
+        if layout is None:
             return cls(*read_own(file))
-        if scene is None or attributes is None:
-            raise InputError(
-                f"{path} was not written by Scenes.to_parquet, or keywords were given: name its columns "
-                "with scene= and attributes= (and object=, arguments=) as for from_frame"
-            )
-        layout = frame_layout(scene, object, attributes, arguments)
         table = file.read(layout.columns)
         if is_own(file):
             check_unchanged(file, table)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from hashlib import blake2b
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pyarrow as pa
@@ -13,7 +13,10 @@ import pyarrow.compute as pc
 
 from relforest.scenes.arrow import ArrowArray, is_text, one_array
 
-__all__ = ["column_digest", "document_digest"]
+__all__ = ["BLOCK_ROWS", "block_digests", "column_digest", "document_digest", "is_unchanged"]
+
+BLOCK_ROWS: Final = 2**16
+"""Rows that have a digest of their own, so that a file can be checked while it is read in pieces."""
 
 
 def column_digest(column: ArrowArray) -> str:
@@ -36,6 +39,24 @@ def column_digest(column: ArrowArray) -> str:
     else:
         digest.update(str(array.type).encode())
     return digest.hexdigest()
+
+
+def block_digests(column: ArrowArray) -> list[str]:
+    """Return the digest of every `BLOCK_ROWS` rows of a column."""
+    return [column_digest(column.slice(row, BLOCK_ROWS)) for row in range(0, len(column), BLOCK_ROWS)]
+
+
+def is_unchanged(column: ArrowArray, digests: object, block: int | None = None) -> bool:
+    """Compare a column, or one block of it, with the digests of the column that a file contains.
+
+    An empty column at the number of blocks there should be shows that none is missing.
+    """
+    if isinstance(digests, str):
+        # Earlier versions wrote one for the whole column, which says nothing about a block.
+        return block is not None or digests == column_digest(column)
+    if block is not None and isinstance(digests, list):
+        digests = digests[block : block + 1]
+    return digests == block_digests(column)
 
 
 def document_digest(document: Mapping[str, Any]) -> str:

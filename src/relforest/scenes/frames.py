@@ -22,7 +22,14 @@ from relforest.scenes.lookup import bind_arguments, index_objects
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["AttributeColumns", "FrameLayout", "arrays_from_frame", "frame_layout", "scene_values"]
+__all__ = [
+    "AttributeColumns",
+    "FrameLayout",
+    "arrays_from_frame",
+    "frame_layout",
+    "scene_values",
+    "stored_values",
+]
 
 AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
 
@@ -113,6 +120,12 @@ def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
     InputError
         If a value is missing or differs within a scene, or the column mixes types.
     """
+    array = stored_values(frame, column, scene=scene)
+    return parsed_labels(array) if array.dtype == object else array
+
+
+def stored_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
+    """Return the values of `scene_values` as they are stored: strings stay strings."""
     table = open_frame(frame, [scene, column])
     scenes = _scene_codes(table, scene)
     values = arrow_column(table, column)
@@ -124,8 +137,7 @@ def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:
     if missing.size:
         name = plain(scenes.ids[missing[0]])
         raise InputError(f"column {column!r} lacks a value in scene {name!r}: fill it in or drop the scene")
-    array = cast("NDArray[Any]", chosen.to_numpy(zero_copy_only=False))
-    return parsed_labels(array) if array.dtype == object else array
+    return cast("NDArray[Any]", chosen.to_numpy(zero_copy_only=False))
 
 
 def _attribute_layout(attributes: AttributeColumns) -> tuple[tuple[Attribute, tuple[str, ...]], ...]:

@@ -22,7 +22,7 @@ from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, compact
 from relforest.scenes.arrow import ArrowArray, ArrowTable
 from relforest.scenes.attribute_columns import attribute_columns
 from relforest.scenes.columns import Codes, encode, open_frame
-from relforest.scenes.digests import column_digest, document_digest
+from relforest.scenes.digests import block_digests, document_digest, is_unchanged
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import IdArray
 from relforest.scenes.lookup import bind_arguments, index_objects
@@ -31,7 +31,16 @@ from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, ModelFormatError, RelforestError
 from relforest.support.files import check_document, write_bytes
 
-__all__ = ["check_unchanged", "is_own", "own_columns", "read_own", "sealed", "to_table", "write_table"]
+__all__ = [
+    "check_unchanged",
+    "is_own",
+    "own_columns",
+    "read_own",
+    "read_own_part",
+    "sealed",
+    "to_table",
+    "write_table",
+]
 
 FORMAT: Final = "relforest-scenes"
 VERSION: Final = 1
@@ -98,7 +107,7 @@ def _values(schema: Schema, number: int, column: FloatArray) -> ArrowArray:
 def sealed(table: ArrowTable) -> ArrowTable:
     """Return a table of `to_table` with digests in its metadata, which reveal damage to a file."""
     document = json.loads(table.schema.metadata[_KEY])
-    digests = {name: column_digest(table[name]) for name in table.column_names}
+    digests: dict[str, Any] = {name: block_digests(table[name]) for name in table.column_names}
     digests[""] = document_digest(document)
     return table.replace_schema_metadata({_KEY: json.dumps(document | {_DIGESTS: digests}).encode()})
 
@@ -140,13 +149,41 @@ def read_own(file: TableFile) -> SceneArrays:
             none = np.empty(0, dtype=np.int64)
             arguments = np.empty((0, schema.n_parameters), dtype=np.int64)
             return SceneArrays(schema, np.empty((0, schema.width)), none, none, none, arguments, none, none)
-        return _read_rows(table, schema, names)
+        scenes, rows = (_numbering(table.column(name)) for name in names[-2:])
+        return _read_rows(table, schema, names, (scenes, rows))
     except (InputError, pa.ArrowException) as error:
         raise ModelFormatError(f"{file.origin} is damaged: {error}") from error
 
 
-def check_unchanged(file: TableFile, table: ArrowTable) -> None:
+def read_own_part(origin: str, table: ArrowTable, schema: Schema, names: list[str]) -> SceneArrays:
+    """Read some whole scenes of a table of `to_table`, one after the other, from all its columns.
+
+    Objects that these scenes share with others are read again with those.
+
+    Raises
+    ------
+    ModelFormatError
+        As for `read_own`.
+    """
+    try:
+        scenes, stored = (_numbering(table.column(name)) for name in names[-2:])
+        rows = np.full(len(stored), -1)
+        rows[stored >= 0] = np.unique(stored[stored >= 0], return_inverse=True)[1]
+        return _read_rows(table, schema, names, (scenes - scenes[0], rows))
+    except (InputError, pa.ArrowException) as error:
+        raise ModelFormatError(f"{origin} is damaged: {error}") from error
+
+
+def check_unchanged(file: TableFile, table: ArrowTable, block: int | None = None) -> None:
     """Check columns that were read from a file of `Scenes.to_parquet` against their digests.
+
+    Parameters
+    ----------
+    file : TableFile
+    table : pyarrow.Table
+        Columns, whole or only one block of rows; see `is_unchanged`.
+    block : int, optional
+        The number of that block.
 
     Raises
     ------
@@ -160,7 +197,7 @@ def check_unchanged(file: TableFile, table: ArrowTable) -> None:
         return
     known = digests if isinstance(digests, dict) else {}
     checked = [name for name in table.column_names if name in known]
-    changed = [name for name in checked if known[name] != column_digest(table[name])]
+    changed = [name for name in checked if not is_unchanged(table[name], known[name], block)]
     if changed or known.get("") != document_digest(document):
         what = f"column {changed[0]!r}" if changed else "its metadata"
         raise ModelFormatError(
@@ -169,10 +206,12 @@ def check_unchanged(file: TableFile, table: ArrowTable) -> None:
         )
 
 
-def _read_rows(table: ArrowTable, schema: Schema, names: list[str]) -> SceneArrays:
+def _read_rows(
+    table: ArrowTable, schema: Schema, names: list[str], numbering: tuple[IntArray, IntArray]
+) -> SceneArrays:
     frame = open_frame(table, names)
     scene_ids, objects = id_column(frame, names[0]), encode(id_column(frame, names[1]))
-    scenes, rows = (_numbering(table.column(name)) for name in names[-2:])
+    scenes, rows = numbering
     is_object = objects.codes >= 0
     first = _check_numbering(scenes, rows, is_object)
     if scene_ids.null_count:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
@@ -19,12 +19,22 @@ from relforest.scenes.sources import checked_path
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, RelforestError
 
-__all__ = ["PARQUET_SUFFIXES", "open_parquet", "parquet_from_bytes"]
+__all__ = [
+    "PARQUET_SUFFIXES",
+    "ParquetFile",
+    "check_same_columns",
+    "common_type",
+    "data_files",
+    "open_parquet",
+    "parquet_from_bytes",
+]
 
 PARQUET_SUFFIXES: Final = (".parquet", ".pq")
 
 _ALLOWED_BYTES: Final = 2**28
 _ALLOWED_RATIO: Final = 1000
+_BUFFER_BYTES: Final = 2**16
+_BUFFERED_FROM: Final = 2**25
 # Whatever pyarrow may raise for a damaged file.
 _BROKEN: Final = (
     ArithmeticError,
@@ -41,22 +51,35 @@ _BROKEN: Final = (
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class _ParquetFile:
+class ParquetFile:
     """A Parquet file, reopened for every read."""
 
     content: str | bytes  # the path, or the bytes themselves
     origin: str
     size: int
 
+    @classmethod
+    def at(cls, path: Path) -> ParquetFile:
+        """Return the file with a path that exists.
+
+        Raises
+        ------
+        InputError
+            If it is not a regular file.
+        """
+        if not path.is_file():
+            raise InputError(f"{path} cannot be read: it is not a regular file")
+        return cls(str(path), str(path), path.stat().st_size)
+
     @contextmanager
-    def opened(self, categories: Sequence[str] = ()) -> Iterator[Any]:
+    def opened(self, categories: Sequence[str] = (), **options: object) -> Iterator[Any]:
         """Open the file; any error while it is open becomes an `InputError`."""
         try:
             raw = pa.OSFile(self.content) if isinstance(self.content, str) else pa.BufferReader(self.content)
             with (
                 raw,
                 parquet.ParquetFile(
-                    raw, read_dictionary=list(categories), page_checksum_verification=True
+                    raw, read_dictionary=list(categories), page_checksum_verification=True, **options
                 ) as file,
             ):
                 yield file
@@ -73,18 +96,39 @@ class _ParquetFile:
             schema = file.schema_arrow
             return TableFile(self.origin, tuple(schema.names), self.load, dict(schema.metadata or {}))
 
+    def footer(self) -> tuple[dict[str, ArrowType], int]:
+        """Return the type of each column, as `load` and `blocks` return it, and the number of rows."""
+        with self.opened() as file:
+            types = {field.name: _plain_type(field.type) for field in file.schema_arrow}
+            return types, int(file.metadata.num_rows)
+
     def load(self, chosen: Sequence[str]) -> ArrowTable:
         """Return columns with their stored types, but categories as their values."""
-        with self.opened() as file:
-            texts = [name for name in chosen if _is_text(file.schema_arrow.field(name).type)]
-            self._check_size(_claimed_size(file.metadata, len(chosen)))
         # Categories stay small even if a long string is repeated often.
-        with self.opened(texts) as file:
-            table = file.read(columns=list(chosen)).select(list(chosen))
-            self._check_size(sum(_text_size(chunk) for column in table.columns for chunk in column.chunks))
-            plain = pa.schema([pa.field(field.name, _plain_type(field.type)) for field in table.schema])
-            table = table.cast(plain.with_metadata(table.schema.metadata))
-            table.validate(full=True)
+        with self.opened(self._texts(chosen)) as file:
+            return self._plain(file.read(columns=list(chosen)).select(list(chosen)))
+
+    def blocks(self, chosen: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
+        """Yield columns as `load` returns them, at most `n_rows` rows at a time, with no more in memory."""
+        # pyarrow reads a row group, which may be the whole file, but with these options page by page. It then
+        # believes a damaged page that claims to have gigabytes, so small files are better read without.
+        options = {"pre_buffer": False, "buffer_size": _BUFFER_BYTES} if self.size >= _BUFFERED_FROM else {}
+        with self.opened(self._texts(chosen), **options) as file:
+            for batch in file.iter_batches(n_rows, columns=list(chosen)):
+                yield self._plain(pa.Table.from_batches([batch]).select(list(chosen)))
+
+    def _texts(self, chosen: Sequence[str]) -> list[str]:
+        """Return those of the columns that hold text, after a check of the sizes that the file claims."""
+        with self.opened() as file:
+            self._check_size(_claimed_size(file.metadata, len(chosen)))
+            return [name for name in chosen if _is_text(file.schema_arrow.field(name).type)]
+
+    def _plain(self, table: ArrowTable) -> ArrowTable:
+        """Return a table with categories replaced by their values, after checks of its size and content."""
+        self._check_size(sum(_text_size(chunk) for column in table.columns for chunk in column.chunks))
+        plain = pa.schema([pa.field(field.name, _plain_type(field.type)) for field in table.schema])
+        table = table.cast(plain.with_metadata(table.schema.metadata))
+        table.validate(full=True)
         return table
 
     def _check_size(self, n_bytes: int) -> None:
@@ -106,28 +150,66 @@ def open_parquet(path: str | PathLike[str]) -> TableFile:
     found = checked_path(path)
     if found.is_dir():
         return _open_folder(found)
-    if not found.is_file():
-        raise InputError(f"{path} cannot be read: it is not a regular file")
-    return _ParquetFile(str(found), str(path), found.stat().st_size).table_file()
+    return ParquetFile.at(found).table_file()
 
 
 def parquet_from_bytes(content: bytes, origin: str) -> TableFile:
     """Return the table in the content of a Parquet file; see `open_parquet`."""
-    return _ParquetFile(content, origin, len(content)).table_file()
+    return ParquetFile(content, origin, len(content)).table_file()
+
+
+def data_files(paths: Iterable[Path], origin: str) -> list[Path]:
+    """Return the Parquet files among paths, by name; hidden files and names like _SUCCESS are not data.
+
+    Raises
+    ------
+    InputError
+        If there are none, or other files.
+    """
+    found = sorted(path for path in paths if path.name[:1] not in {".", "_"})
+    odd = next((path for path in found if path.suffix.lower() not in PARQUET_SUFFIXES), None)
+    if odd is not None:
+        raise InputError(f"{origin} contains {odd.name!r}: only folders of Parquet files can be read")
+    if not found:
+        raise InputError(f"{origin} contains no Parquet files")
+    return found
 
 
 def _open_folder(folder: Path) -> TableFile:
-    """Open a folder as written by Spark and others; hidden files and names like _SUCCESS are not data."""
+    """Open a folder as written by Spark and others."""
     try:
-        paths = sorted(path for path in folder.iterdir() if path.name[0] not in "._")
+        paths = data_files(folder.iterdir(), f"folder {folder}")
     except OSError as error:
         raise InputError(f"{folder} cannot be read: {error.strerror}; check the path") from error
-    odd = next((path for path in paths if path.suffix.lower() not in PARQUET_SUFFIXES), None)
-    if odd is not None:
-        raise InputError(f"folder {folder} contains {odd.name!r}: only folders of Parquet files can be read")
-    if not paths:
-        raise InputError(f"folder {folder} contains no Parquet files")
     files = [open_parquet(path) for path in paths]
+    check_same_columns(files)
+    for file in files:
+        if b"relforest" in file.metadata:
+            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one at a time")
+
+    def load(chosen: Sequence[str]) -> ArrowTable:
+        tables = [file.read(chosen) for file in files]
+        for name in chosen:
+            common_type(
+                name,
+                {
+                    file.origin: table.schema.field(name).type
+                    for file, table in zip(files, tables, strict=True)
+                },
+            )
+        return pa.concat_tables(tables, promote_options="default")
+
+    return TableFile(str(folder), files[0].names, load)
+
+
+def check_same_columns(files: Sequence[TableFile]) -> None:
+    """Check that the files of a folder have the same columns, in any order.
+
+    Raises
+    ------
+    InputError
+        If they differ.
+    """
     for file in files:
         differing = sorted(set(file.names) ^ set(files[0].names))
         if differing:
@@ -135,28 +217,24 @@ def _open_folder(folder: Path) -> TableFile:
                 f"{file.origin} and {files[0].origin} differ in the column {differing[0]!r}: all files of a "
                 "folder must have the same columns"
             )
-        if b"relforest" in file.metadata:
-            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one at a time")
-
-    def load(chosen: Sequence[str]) -> ArrowTable:
-        tables = [file.read(chosen) for file in files]
-        for name in chosen:
-            _check_types(name, {file.origin: table for file, table in zip(files, tables, strict=True)})
-        return pa.concat_tables(tables, promote_options="default")
-
-    return TableFile(str(folder), files[0].names, load)
 
 
-def _check_types(name: str, tables: Mapping[str, ArrowTable]) -> None:
-    """Check that a column has the same type in all files, except where it has only nulls."""
-    kinds = {origin: table.schema.field(name).type for origin, table in tables.items()}
-    known = [(origin, kind) for origin, kind in kinds.items() if not pa.types.is_null(kind)]
+def common_type(name: str, types: Mapping[str, ArrowType]) -> ArrowType:
+    """Return the type of a column in all files, by origin, except where it has only nulls.
+
+    Raises
+    ------
+    InputError
+        If it has several.
+    """
+    known = [(origin, kind) for origin, kind in types.items() if not pa.types.is_null(kind)]
     odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
     if odd:
         raise InputError(
             f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: all "
             "files of a folder must have the same types"
         )
+    return known[0][1] if known else pa.null()
 
 
 def _is_text(kind: ArrowType) -> bool:

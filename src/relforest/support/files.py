@@ -69,6 +69,24 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     InputError
         If ``path`` is empty or not a valid path, or names a pipe or a device.
     """
+    with replacing(path) as temporary, temporary.open("xb") as file:
+        file.write(data)
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Write a file in pieces: it appears whole when the ``with`` block ends, or not at all after an error.
+
+    Yields
+    ------
+    Path
+        The temporary name to write under. No file has it yet; it must exist and be closed at the end.
+
+    Raises
+    ------
+    OSError, InputError
+        As for `write_bytes`.
+    """
     with _writing(path):
         target = Path(os.path.realpath(path))
         if target.is_dir():
@@ -78,10 +96,10 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
         make_folder(target.parent)
         stem = os.fsdecode(os.fsencode(target.name)[:_LONGEST_STEM])
         temporary = target.with_name(f".{stem}.{secrets.token_hex(8)}.tmp")
+    with _naming(path):
         try:
-            with temporary.open("xb") as file:
-                file.write(data)
-                file.flush()
+            yield temporary
+            with temporary.open("rb+") as file:
                 os.fsync(file.fileno())
             temporary.replace(target)
         except BaseException:
@@ -373,15 +391,23 @@ def _writing(path: str | os.PathLike[str]) -> Iterator[None]:
     if not name:
         raise InputError("the output path is empty: name a file or folder")
     try:
-        yield
-    except OSError as error:
-        if error.filename is None or is_temporary(Path(error.filename)):
-            raise OSError(error.errno, error.strerror, name) from error
-        raise
+        with _naming(name):
+            yield
     except InputError:
         raise
     except ValueError as error:
         raise InputError(f"{name!r} is not a valid path: {error}") from error
+
+
+@contextmanager
+def _naming(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Name the file in every `OSError` raised in the ``with`` block."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None or is_temporary(Path(error.filename)):
+            raise OSError(error.errno, error.strerror, os.fspath(path)) from error
+        raise
 
 
 def _read_regular_file(path: str | os.PathLike[str], max_bytes: int) -> bytes:

@@ -65,7 +65,7 @@ def run_tasks(
         backend, _ = get_active_backend(prefer=prefer)
         if isinstance(backend, LokyBackend):
             return run_in_processes(_single_threaded, calls, min(n_jobs, len(tasks)))
-        if backend.supports_sharedmem:
+        if getattr(backend, "supports_sharedmem", False):
             # Threads do not inherit the listener of reports, and each needs a context of its own.
             jobs = [joblib.delayed(copy_context().run)(_single_threaded, *call) for call in calls]
         else:

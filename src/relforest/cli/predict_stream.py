@@ -1,0 +1,151 @@
+"""Predictions from Parquet files of any size to Parquet files, batch by batch."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from pyarrow import parquet
+
+from relforest.cli.columns import check_schema, open_scenes
+from relforest.cli.model_file import Model
+from relforest.cli.outputs import check_free
+from relforest.scenes import Scenes
+from relforest.scenes.arrow import ArrowArray, ArrowTable
+from relforest.scenes.ids import IdArray
+from relforest.scenes.parquet_files import PARQUET_SUFFIXES
+from relforest.scenes.parquet_source import ParquetSource, is_pattern, open_source
+from relforest.scenes.scene_stream import SceneBatch
+from relforest.support.errors import InputError
+from relforest.support.files import replacing
+from relforest.trees import query
+from relforest.trees.nodes import variable_name
+
+__all__ = ["parquet_output", "predict_files"]
+
+
+def parquet_output(table: Path, out: Path | None) -> Path | None:
+    """Return where predictions for a table are written as Parquet, or None if they are CSV.
+
+    Raises
+    ------
+    InputError
+        If the output is a folder or Parquet, but the table is not; or the other way round for a pattern.
+    """
+    is_several = table.is_dir() or is_pattern(table)
+    if out is not None and (out.is_dir() or _is_parquet(out) or (is_several and not out.suffix)):
+        if not is_several and not _is_parquet(table):
+            raise InputError(
+                f"{table} is not a Parquet file, so its predictions cannot be written to {out}: give the "
+                "name of a file that ends in .csv"
+            )
+        return out
+    if is_pattern(table):
+        raise InputError(
+            f"{table} is a pattern: write its predictions to a .parquet file, or to a folder whose name has "
+            "no suffix, with --out"
+        )
+    return None
+
+
+def predict_files(model: Model, table: Path, out: Path, *, n_jobs: int, force: bool) -> int:
+    """Write the predictions for all scenes of Parquet files, all of them or none.
+
+    Parameters
+    ----------
+    model : Model
+    table : Path
+        A Parquet file, a folder of them, or a pattern.
+    out : Path
+        A file that ends in .parquet; or a folder, which gets a file for each one that is read, with the same
+        name and the scenes that begin in it.
+    n_jobs : int
+        Threads.
+    force : bool
+        Whether files may be replaced.
+
+    Returns
+    -------
+    int
+        Number of scenes.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written, would replace the table, or would get the name of another; and as for
+        `relforest.iter_scene_batches`.
+    """
+    source = open_source(table)
+    targets = _targets(source, out)
+    for target in targets:
+        check_free(target, force=force)
+    stream = open_scenes(source, model.columns, remedy=model.remedy)
+    check_schema(table, stream, model.tree.schema)
+    batches = stream.batches()
+    first = next(batches)
+    schema = _predictions(model, first.scenes.take([]), n_jobs=1).schema
+    batch: SceneBatch | None = first
+    n_scenes = 0
+    # The files get their names when all of them are complete.
+    with ExitStack() as complete:
+        for number, target in enumerate(targets):
+            temporary = complete.enter_context(replacing(target))
+            with parquet.ParquetWriter(temporary, schema, compression="zstd") as writer:
+                while batch is not None and (len(targets) == 1 or batch.file == number):
+                    writer.write_table(_predictions(model, batch.scenes, n_jobs))
+                    n_scenes += len(batch.scenes)
+                    batch = next(batches, None)
+    return n_scenes
+
+
+def _is_parquet(path: Path) -> bool:
+    return path.suffix.lower() in PARQUET_SUFFIXES
+
+
+def _targets(source: ParquetSource, out: Path) -> list[Path]:
+    """Return the files to write: one, or one for each file of the source."""
+    read = [file.path for file in source.files]
+    targets = [out]
+    if out.is_dir() or not _is_parquet(out):
+        targets = [out / path.name for path in read]
+    if len(set(targets)) < len(targets):
+        twice = next(path.name for path in targets if targets.count(path) > 1)
+        raise InputError(
+            f"{source.origin} has several files named {twice}: write to one file (--out x.parquet)"
+        )
+    replaced = {path.resolve() for path in read}
+    clash = next((path for path in targets if path.resolve() in replaced), None)
+    if clash is not None:
+        raise InputError(f"{clash} is part of the table and is not replaced: choose another --out")
+    return targets
+
+
+def _predictions(model: Model, scenes: Scenes, n_jobs: int) -> ArrowTable:
+    """Return the columns of the command's CSV for some scenes."""
+    answers = query(model.tree, scenes, n_jobs=n_jobs)
+    probability = model.tree.leaf_probabilities[answers.leaf]
+    object_ids = _ids(scenes.object_ids)
+    columns: dict[str, Any] = {
+        "scene": _ids(scenes.scene_ids),
+        "probability": probability,
+        "predicted": _classes(model).take(pa.array((probability >= 0.5).astype(np.int64))),
+        "leaf": answers.leaf,
+    }
+    for variable, rows in enumerate(answers.witnesses.T):
+        columns[f"witness_{variable_name(variable)}"] = object_ids.take(pa.array(rows, mask=rows < 0))
+    return pa.table(columns)
+
+
+def _ids(ids: IdArray) -> ArrowArray:
+    return pa.array(ids, pa.string() if ids.dtype == object else pa.int64())
+
+
+def _classes(model: Model) -> ArrowArray:
+    """Return the two classes as they are if they have a common type, or else as they are printed."""
+    try:
+        return pa.array(list(model.classes))
+    except (pa.ArrowException, OverflowError):
+        return pa.array([str(label) for label in model.classes])

@@ -1,0 +1,187 @@
+"""One or many Parquet files as one long table that is read in pieces and never held in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from glob import glob
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Final, NamedTuple, final
+
+import pyarrow as pa
+
+from relforest.scenes.arrow import ArrowTable, ArrowType
+from relforest.scenes.columns import check_named
+from relforest.scenes.digests import BLOCK_ROWS
+from relforest.scenes.parquet import check_unchanged, is_own
+from relforest.scenes.parquet_files import ParquetFile, check_same_columns, common_type, data_files
+from relforest.scenes.sources import checked_path
+from relforest.scenes.table_file import TableFile
+from relforest.support.errors import InputError
+
+__all__ = ["ParquetSource", "Piece", "is_pattern", "open_source"]
+
+_WILD: Final = frozenset("*?[")
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class SourceFile:
+    """A Parquet file, and what its footer says."""
+
+    path: Path
+    stored: ParquetFile
+    table: TableFile
+    types: Mapping[str, ArrowType]
+    n_rows: int
+
+
+class Piece(NamedTuple):
+    """Some successive rows of one file."""
+
+    file: int  # number of the file
+    row: int  # number of the first row in that file
+    table: ArrowTable
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class ParquetSource:
+    """Parquet files with the same columns.
+
+    Parameters
+    ----------
+    origin : str
+        What was opened, for messages.
+    files : tuple of SourceFile
+        In the order in which they are read.
+    """
+
+    origin: str
+    files: tuple[SourceFile, ...]
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows in all files, at least 1."""
+        return sum(file.n_rows for file in self.files)
+
+    @property
+    def is_own(self) -> bool:
+        """Whether `Scenes.to_parquet` wrote all of them."""
+        return all(is_own(file.table) for file in self.files)
+
+    def common_types(self, columns: Iterable[str]) -> dict[str, ArrowType]:
+        """Return the types of columns.
+
+        Raises
+        ------
+        InputError
+            If a column is missing, ambiguous, or has another type in another file.
+        """
+        chosen = list(dict.fromkeys(columns))
+        for file in self.files:
+            check_named(chosen, file.table.names, file.table.origin)
+        return {
+            name: common_type(name, {file.table.origin: file.types[name] for file in self.files})
+            for name in chosen
+        }
+
+    def pieces(self, types: Mapping[str, ArrowType], n_rows: int) -> Iterator[Piece]:
+        """Yield the rows of all files in order, at most `n_rows` at a time.
+
+        Parameters
+        ----------
+        types : mapping of str to arrow type
+            The columns, and what to convert them to.
+        n_rows : int
+
+        Raises
+        ------
+        InputError
+            If a file is damaged.
+        ModelFormatError
+            If a file of `Scenes.to_parquet` was changed since; a piece is checked before it is yielded.
+        """
+        schema = pa.schema(list(types.items()))
+        for number, file in enumerate(self.files):
+            row = 0
+            for table in _tables(file, list(types), n_rows):
+                yield Piece(number, row, table.replace_schema_metadata().cast(schema))
+                row += len(table)
+
+
+def is_pattern(path: str | PathLike[str]) -> bool:
+    """Return whether a path that does not exist is a pattern such as ``data/*.parquet``."""
+    return not _WILD.isdisjoint(fspath(path)) and not Path(path).exists()
+
+
+def open_source(source: str | PathLike[str]) -> ParquetSource:
+    """Open a Parquet file, a folder of them, or those that match a pattern, in the order of their paths.
+
+    Raises
+    ------
+    InputError
+        If there are none, one of them is damaged, they have different columns, or no rows at all.
+    """
+    origin = str(source)
+    files = tuple(map(_opened, _paths(source)))
+    check_same_columns([file.table for file in files])
+    opened = ParquetSource(origin, files)
+    if opened.n_rows == 0:
+        raise InputError(f"{origin} has no rows: at least one scene is needed")
+    return opened
+
+
+def _paths(source: str | PathLike[str]) -> list[Path]:
+    if isinstance(source, (str, PathLike)) and isinstance(fspath(source), str) and is_pattern(source):
+        return data_files(map(Path, glob(fspath(source), recursive=True)), f"the pattern {source}")  # noqa: PTH207
+    path = checked_path(source)
+    if not path.is_dir():
+        return [path]
+    try:
+        return data_files(path.iterdir(), f"folder {path}")
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}; check the path") from error
+
+
+def _opened(path: Path) -> SourceFile:
+    stored = ParquetFile.at(path)
+    types, n_rows = stored.footer()
+    return SourceFile(path, stored, stored.table_file(), types, n_rows)
+
+
+def _tables(file: SourceFile, columns: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
+    if is_own(file.table):
+        tables = _unchanged(file.table, _in_blocks(file.stored.blocks(columns, BLOCK_ROWS), BLOCK_ROWS))
+    else:
+        tables = file.stored.blocks(columns, n_rows)
+    # What pyarrow returns ends with every row group.
+    return _in_blocks(tables, n_rows)
+
+
+def _unchanged(file: TableFile, blocks: Iterable[ArrowTable]) -> Iterator[ArrowTable]:
+    """Yield blocks after a check of their digests."""
+    number, block = 0, None
+    for number, block in enumerate(blocks, start=1):
+        check_unchanged(file, block, number - 1)
+        yield block
+    if block is not None:
+        check_unchanged(file, block.slice(0, 0), number)
+
+
+def _in_blocks(tables: Iterable[ArrowTable], n_rows: int) -> Iterator[ArrowTable]:
+    """Yield the same rows in tables of exactly `n_rows` rows, except for the last."""
+    held: list[ArrowTable] = []
+    missing = n_rows
+    for table in tables:
+        rest = table
+        while len(rest) >= missing:
+            yield pa.concat_tables([*held, rest.slice(0, missing)])
+            rest = rest.slice(missing)
+            held, missing = [], n_rows
+        if len(rest):
+            held.append(rest)
+            missing -= len(rest)
+    if held:
+        yield pa.concat_tables(held)
