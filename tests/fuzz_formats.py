@@ -34,6 +34,9 @@ from relforest.experiments.run_metrics import metrics_of
 from relforest.experiments.runner import run_study
 from relforest.experiments.study import Place, Study
 from relforest.experiments.table import Row, Table
+from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
+from relforest.forests.statements import Bound, Is, Near, Statement
+from relforest.mappings import Mapping as MappingFunction
 from relforest.reports import QuestionPoints, save_figure, tree_figure
 from relforest.reports.run_report import metrics_table, run_report
 from relforest.reports.tree_path import path_in_words, tree_path
@@ -43,7 +46,7 @@ from relforest.rl.peers import SarsaSettings, TileCoding, make_team
 from relforest.rl.policy_file import read_policy, write_policy, write_tree
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
-from relforest.scenes import Attribute, Scenes, iter_scene_batches, read_table
+from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read_table
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
 from relforest.trees import query
@@ -145,8 +148,42 @@ def _model(folder: Path) -> None:
     columns = Columns("pass", None, tuple(zip(DRAWN_SCHEMA.attributes, names, strict=True)), ("passer",))
     points = QuestionPoints(np.arange(8.0).reshape(-1, 2) / 3, np.arange(4) % 2 == 0)
     write_model(
-        folder / "model.json", Model(five_questions(), "completed", ("no", "yes"), columns, {2: points})
+        folder / "model.json",
+        Model(five_questions(), "tree", "completed", ("no", "yes"), columns, {2: points}),
     )
+
+
+TEAMS: Final = Schema(
+    (*DRAWN_SCHEMA.attributes[:2], Attribute("team", kind="category", categories=["home", "guest"])),
+    ("passer",),
+)
+
+
+def _ensemble(folder: Path) -> None:
+    location, theta, team = TEAMS.attributes
+    statements = (
+        Statement(MappingFunction("distance", location), (0, 1), Bound(0, "at most", 3.5)),
+        Statement(MappingFunction("difference", location), (0, 1), Near(0, (1.0, 0.5), (2.0, 0.25))),
+        Statement(MappingFunction("identity", theta), (1,), Near(0, (3.0,), (0.5,))),
+        Statement(MappingFunction("same", team), (0, 1), Is(1, negated=True)),
+    )
+    trees = tuple(
+        SceneTree((Split(Condition(1, asked, 2), 1, 2, 0.5), Value((0.3,), 4), Value((-0.1,), 7)))
+        for asked in (statements[:2], statements[2:])
+    )
+    columns = Columns("pass", None, ((location, ("x", "y")), (theta, ("theta",)), (team, ("team",))), ("p",))
+    learned = Ensemble(TEAMS, np.zeros(1), trees, np.array([0.5, 0.25]))
+    write_model(folder / "boosting.json", Model(learned, "boosting", "completed", ("no", "yes"), columns))
+
+
+def _use_ensemble(path: Path) -> None:
+    model = read_model(path)
+    assert model.text
+    matrix = np.array([[0.0, 0.0, 0.1, 0.0], [1.0, 0.5, 3.0, 1.0], [2.0, 2.0, np.nan, np.nan]])
+    if model.schema == TEAMS:
+        rows, count = np.arange(3), np.array([3])
+        scenes = Scenes(model.schema, matrix, rows, np.array([0]), count, np.array([[0]]))
+        assert model.predictions(scenes, n_jobs=1).probability[0] >= 0.0
 
 
 def _use_model(path: Path) -> None:
@@ -307,6 +344,9 @@ FORMATS: Final[Mapping[str, Format]] = {
         lambda folder: read_c45(folder / "bags.data"),
     ),
     "model": Format(_model, {"model.json": _JSON}, lambda folder: _use_model(folder / "model.json"), 0.7),
+    "ensemble": Format(
+        _ensemble, {"boosting.json": _JSON}, lambda folder: _use_ensemble(folder / "boosting.json"), 0.7
+    ),
     "tree": Format(
         lambda folder: (folder / "tree.json").write_text(json.dumps(five_questions().to_dict())),
         {"tree.json": _JSON},

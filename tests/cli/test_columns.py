@@ -221,7 +221,7 @@ def test_scenes_of_another_kind_are_described() -> None:
     with pytest.raises(
         InputError,
         match=r"f.csv contains scenes with the attributes location \(2-D\), orientation \(angle\) and the "
-        r"arguments passer, but the tree needs scenes with the attributes weight \(3-D\) and the arguments "
+        r"arguments passer, but the model needs scenes with the attributes weight \(3-D\) and the arguments "
         r"\(none\)",
     ):
         check_schema(Path("f.csv"), small_scenes(), schema)

@@ -21,7 +21,7 @@ COLUMNS = Columns("pass", None, tuple(zip(SCHEMA.attributes, NAMES, strict=True)
 
 def a_model(n_points: int = 4) -> Model:
     points = QuestionPoints(np.arange(2.0 * n_points).reshape(-1, 2) / 3, np.arange(n_points) % 2 == 0)
-    return Model(one_question(), "completed", (False, True), COLUMNS, {2: points})
+    return Model(one_question(), "tree", "completed", (False, True), COLUMNS, {2: points})
 
 
 def written(path: Path, model: Model) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def test_a_model_comes_back_as_it_was(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("classes", [(0, 1), (-1, 1), ("lost", "won")])
 def test_labels_of_all_kinds_come_back(tmp_path: Path, classes: tuple[Any, Any]) -> None:
-    write_model(tmp_path / "tree.json", Model(one_question(), "y", classes, None))
+    write_model(tmp_path / "tree.json", Model(one_question(), "tree", "y", classes, None))
     found = read_model(tmp_path / "tree.json")
 
     assert found.classes == classes
@@ -157,7 +157,7 @@ def test_damaged_models_are_refused(tmp_path: Path, change: Callable[[dict[str, 
     path.write_text(json.dumps(document))
 
     with pytest.raises(
-        ModelFormatError, match=r"tree\.json is damaged: .*; restore it, or learn the tree again"
+        ModelFormatError, match=r"tree\.json is damaged: .*; restore it, or learn the model again"
     ):
         read_model(path)
 

@@ -69,7 +69,7 @@ def test_scenes_of_another_kind_are_refused(run: CommandLine, model: Path, tmp_p
     outcome = run("predict", model, tmp_path / "scenes.parquet")
 
     assert outcome.code == 1
-    assert "column 'pass' is missing from " in outcome.err or "but the tree needs scenes with" in outcome.err
+    assert "column 'pass' is missing from " in outcome.err or "but the model needs scenes with" in outcome.err
 
 
 def test_a_bare_tree_needs_a_file_of_scenes(run: CommandLine, table: Path, tmp_path: Path) -> None:

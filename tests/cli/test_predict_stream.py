@@ -9,7 +9,7 @@ import pytest
 from pyarrow import csv, parquet
 
 from cli.command_lines import N_SCENES, CommandLine, passes, write
-from relforest.cli import predict_stream
+from relforest.cli import model_file, predict_stream
 from relforest.cli.model_file import Model
 from relforest.scenes import read_table
 from relforest.trees import query
@@ -118,7 +118,7 @@ def test_an_interruption_leaves_the_old_files(
         return query(*arguments, **options)
 
     (tmp_path / "all.parquet").write_text("old")
-    monkeypatch.setattr(predict_stream, "query", interrupted)
+    monkeypatch.setattr(model_file, "query", interrupted)
 
     assert run("predict", model, parts, "--out", tmp_path / "all.parquet", "--force").code == 130
     assert (tmp_path / "all.parquet").read_text() == "old"
@@ -177,7 +177,7 @@ def test_classes_keep_their_type_where_a_column_can_hold_it(
     classes: tuple[Any, Any], expected: list[Any], tmp_path: Path
 ) -> None:
     scenes_of([[0, 0], [1, 0]], [[0, 0]]).to_parquet(tmp_path / "scenes.parquet")
-    model = Model(one_question(), "label", classes, None)
+    model = Model(one_question(), "tree", "label", classes, None)
     out = tmp_path / "out.parquet"
     count = predict_stream.predict_files(model, tmp_path / "scenes.parquet", out, n_jobs=1, force=False)
 

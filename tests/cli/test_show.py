@@ -100,7 +100,7 @@ def test_scenes_of_another_kind_are_refused(run: CommandLine, tmp_path: Path, mo
     scenes_of([[0, 0]]).to_parquet(tmp_path / "scenes.parquet")
     outcome = run("show", tmp_path / "tree.json", "--scene", "scene 0", "of", tmp_path / "scenes.parquet")
 
-    assert "but the tree needs scenes with the attributes extent (1-D)" in outcome.err
+    assert "but the model needs scenes with the attributes extent (1-D)" in outcome.err
 
 
 @pytest.mark.parametrize("given", [("--scene", "-7", "of"), ("--scene=-7", "--of"), ("--scene", "007", "of")])

@@ -108,7 +108,7 @@ def test_wrong_scenes_and_labels_are_refused() -> None:
     scenes = scenes_of([[0, 0]])
     other = Tree.stub(PAIRS, Leaf(0.5, 1, 1))
 
-    with pytest.raises(InputError, match="the tree is for scenes with"):
+    with pytest.raises(InputError, match="the model is for scenes with"):
         question_points(other, scenes, np.array([True]))
     with pytest.raises(InputError, match="one label per scene"):
         question_points(one_question(), scenes, np.array([True, False]))

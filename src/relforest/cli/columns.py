@@ -70,16 +70,16 @@ class SceneTable:
 
 
 def check_schema(origin: Path, scenes: Scenes | SceneStream, schema: Schema) -> None:
-    """Check that the scenes of a file have the schema that a tree was learned from.
+    """Check that the scenes of a file have the schema that a model was learned from, but for categories.
 
     Raises
     ------
     InputError
         If they have other attributes or arguments.
     """
-    if scenes.schema != schema:
+    if not scenes.schema.resembles(schema):
         raise InputError(
-            f"{origin} contains scenes with {_described(scenes.schema)}, but the tree needs scenes with "
+            f"{origin} contains scenes with {_described(scenes.schema)}, but the model needs scenes with "
             f"{_described(schema)}: use a file that has them"
         )
 

@@ -145,7 +145,7 @@ def fit(options: FitOptions) -> int:
     with working(f"learning from {len(source.scenes)} scenes"):
         classifier.fit(source.scenes, positive)
     points = question_points(classifier.tree_, source.scenes, positive)
-    model = Model(classifier.tree_, options.label, classes, source.columns, points)
+    model = Model(classifier.tree_, "tree", options.label, classes, source.columns, points)
     score = peirce_skill_score(positive, classifier.predict(source.scenes))
     print(model.text)
     print()

@@ -1,8 +1,8 @@
-"""Model files: a tree and everything needed to apply it to a table.
+"""Model files: what was learned and everything needed to apply it to a table.
 
 A model file is a JSON document of format ``relforest-model``: the label and its two classes, the columns that
-the scenes were read from, the tree as written by `Tree.to_dict`, and a sample of the training points of each
-question, for pictures.
+the scenes were read from, and either the tree as written by `Tree.to_dict` with a sample of the training
+points of each question, for pictures, or an ensemble as written by `Ensemble.to_dict` and its kind.
 """
 
 from __future__ import annotations
@@ -10,17 +10,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final, Literal, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from relforest.cli.columns import Columns
+from relforest.forests import Ensemble
+from relforest.forests.descriptions import ensemble_in_words, rule_set_in_words
 from relforest.reports import QuestionPoints
+from relforest.scenes import Scenes, Schema
 from relforest.support.documents import well_formed
-from relforest.support.errors import ModelFormatError
+from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import read_json, write_json
-from relforest.trees import Question, Tree
+from relforest.support.options import between, one_of
+from relforest.trees import Question, Tree, query
+from relforest.trees.nodes import variable_name
 from relforest.trees.text import describe
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
@@ -32,18 +38,41 @@ MOST_POINTS: Final = 150
 """Largest number of points per class stored for a question."""
 
 Label = bool | int | str
+Kind = Literal["tree", "forest", "boosting", "rules"]
+_ENSEMBLES: Final = ("forest", "boosting", "rules")
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Predictions:
+    """What a model says about scenes.
+
+    Parameters
+    ----------
+    probability : ndarray (n_scenes,)
+        Of the positive class.
+    leaf : int64 ndarray (n_scenes,) or None
+        The leaf that decided, for a tree.
+    witnesses : dict of str to int64 ndarray (n_scenes,)
+        Object rows by variable, -1 = no object; empty for an ensemble.
+    """
+
+    probability: NDArray[np.float64]
+    leaf: NDArray[np.int64] | None
+    witnesses: dict[str, NDArray[np.int64]]
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A tree and how to apply it.
+    """A tree or an ensemble and how to apply it.
 
     Parameters
     ----------
-    tree : Tree
+    learned : Tree or Ensemble
+    kind : {"tree", "forest", "boosting", "rules"}
     label : str
-        The column of labels that the tree predicts; empty if unknown.
+        The column of labels that it predicts; empty if unknown.
     classes : tuple of two labels
         The second one is the positive class.
     columns : Columns or None
@@ -52,17 +81,50 @@ class Model:
         Training points of questions, by node index.
     """
 
-    tree: Tree
+    learned: Tree | Ensemble
+    kind: Kind
     label: str
     classes: tuple[Label, Label]
     columns: Columns | None
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
 
     @property
+    def schema(self) -> Schema:
+        """The schema of the scenes that it is for."""
+        return self.learned.schema
+
+    @property
+    def tree(self) -> Tree:
+        """The tree.
+
+        Raises
+        ------
+        InputError
+            If the model is an ensemble.
+        """
+        if isinstance(self.learned, Tree):
+            return self.learned
+        msg = f"the model is of kind {self.kind!r}, but drawings and paths are those of a single tree"
+        raise InputError(msg)
+
+    @property
     def text(self) -> str:
-        """The tree in words."""
+        """The model in words."""
+        if isinstance(self.learned, Ensemble):
+            what = rule_set_in_words if self.kind == "rules" else ensemble_in_words
+            return what(self.learned, self.positive)
         other = str(self.classes[0]) if self.label else "LABEL"
-        return describe(self.tree.schema, self.tree.nodes, other=other)
+        return describe(self.learned.schema, self.learned.nodes, other=other)
+
+    def predictions(self, scenes: Scenes, *, n_jobs: int) -> Predictions:
+        """Apply the model to scenes of its schema, in `n_jobs` threads."""
+        if isinstance(self.learned, Ensemble):
+            scores = self.learned.scores(scenes, n_jobs=n_jobs)[:, 0]
+            probability = expit(scores) if self.kind == "boosting" else np.clip(scores, 0.0, 1.0)
+            return Predictions(probability, None, {})
+        answers = query(self.learned, scenes, n_jobs=n_jobs)
+        witnesses = {variable_name(variable): rows for variable, rows in enumerate(answers.witnesses.T)}
+        return Predictions(self.learned.leaf_probabilities[answers.leaf], answers.leaf, witnesses)
 
     @property
     def remedy(self) -> str:
@@ -78,29 +140,29 @@ class Model:
 def write_model(path: Path, model: Model) -> None:
     """Write a model file atomically."""
     columns = model.columns
-    write_json(
-        path,
-        {
-            "format": FORMAT,
-            "version": VERSION,
-            "label": model.label,
-            "classes": list(model.classes),
-            "columns": None
-            if columns is None
-            else {
-                "scene": columns.scene,
-                "object": columns.object,
-                "attributes": {attribute.name: list(names) for attribute, names in columns.attributes},
-                "arguments": list(columns.arguments),
-            },
-            "tree": model.tree.to_dict(),
-            "points": [
-                _points_to_dict(index, node, model.points[index])
-                for index, node in enumerate(model.tree.nodes)
-                if isinstance(node, Question) and index in model.points
-            ],
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "label": model.label,
+        "classes": list(model.classes),
+        "columns": None
+        if columns is None
+        else {
+            "scene": columns.scene,
+            "object": columns.object,
+            "attributes": {attribute.name: list(names) for attribute, names in columns.attributes},
+            "arguments": list(columns.arguments),
         },
-    )
+    }
+    if isinstance(model.learned, Ensemble):
+        write_json(path, document | {"kind": model.kind, "ensemble": model.learned.to_dict()})
+        return
+    points = [
+        _points_to_dict(index, node, model.points[index])
+        for index, node in enumerate(model.learned.nodes)
+        if isinstance(node, Question) and index in model.points
+    ]
+    write_json(path, document | {"tree": model.learned.to_dict(), "points": points})
 
 
 def read_model(path: Path) -> Model:
@@ -118,16 +180,26 @@ def read_model(path: Path) -> Model:
             bare = read_json(path, format=TREE_FORMAT, version=TREE_VERSION)
         except ModelFormatError:
             raise error from None
-        return Model(_tree(path, bare), "", (False, True), None)
+        return Model(_tree(path, bare), "tree", "", (False, True), None)
+    remedy = "restore it, or learn the model again with relforest fit"
+    if "ensemble" in document:
+        with well_formed(f"{path} is damaged", remedy):
+            ensemble = Ensemble.from_dict(document["ensemble"])
+            between("the number of outputs", ensemble.n_outputs, 1, 1)
+            kind = cast("Kind", one_of("kind", document["kind"], _ENSEMBLES))
+            return Model(ensemble, kind, *_how_to_apply(document, ensemble.schema))
     tree = _tree(path, document.get("tree"))
-    with well_formed(f"{path} is damaged", "restore it, or learn the tree again with relforest fit"):
-        return Model(
-            tree,
-            _text(document["label"]),
-            _classes(document["classes"]),
-            _columns(document["columns"], tree),
-            dict(_points(entry, tree) for entry in document["points"]),
-        )
+    with well_formed(f"{path} is damaged", remedy):
+        points = dict(_points(entry, tree) for entry in document["points"])
+        return Model(tree, "tree", *_how_to_apply(document, tree.schema), points)
+
+
+def _how_to_apply(
+    document: dict[str, Any], schema: Schema
+) -> tuple[str, tuple[Label, Label], Columns | None]:
+    """Return the label, its classes and the columns of a document."""
+    columns = _columns(document["columns"], schema)
+    return _text(document["label"]), _classes(document["classes"]), columns
 
 
 def _tree(path: Path, document: object) -> Tree:
@@ -157,19 +229,19 @@ def _classes(value: object) -> tuple[Label, Label]:
     return first, second
 
 
-def _columns(document: Any, tree: Tree) -> Columns | None:  # noqa: ANN401 - not checked yet
+def _columns(document: Any, schema: Schema) -> Columns | None:  # noqa: ANN401 - not checked yet
     if document is None:
         return None
     attributes = {name: _texts(names) for name, names in document["attributes"].items()}
-    components = [attribute.dim for attribute in tree.schema.attributes]
-    if list(attributes) != list(tree.schema.names) or list(map(len, attributes.values())) != components:
-        raise ValueError("the columns do not match the attributes of the tree")
-    if len(document["arguments"]) != tree.schema.n_parameters:
-        raise ValueError("the columns of arguments do not match the tree")
+    components = [attribute.dim for attribute in schema.attributes]
+    if list(attributes) != list(schema.names) or list(map(len, attributes.values())) != components:
+        raise ValueError("the columns do not match the attributes of the model")
+    if len(document["arguments"]) != schema.n_parameters:
+        raise ValueError("the columns of arguments do not match the model")
     return Columns(
         _text(document["scene"]),
         None if document["object"] is None else _text(document["object"]),
-        tuple((tree.schema[name], names) for name, names in attributes.items()),
+        tuple((schema[name], names) for name, names in attributes.items()),
         _texts(document["arguments"]),
     )
 

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class PredictOptions:
-    """Apply a learned tree to the scenes of a table.
+    """Apply a learned model to the scenes of a table.
 
     The result is one row per scene: its id, the probability of the positive class, the more probable class,
-    the number of the leaf that decided, and the ids of the objects that led to it, one column per variable.
-    The table needs the columns that the tree was learned from, except the labels; its scenes may have
-    different numbers of objects.
+    and for a tree the number of the leaf that decided and the ids of the objects that led to it, one column
+    per variable. The table needs the columns that the model was learned from, except the labels; its scenes
+    may have different numbers of objects.
 
     Predictions are CSV, or Parquet if the table is. Parquet files of any size are read and written in pieces;
     the rows of a scene must then be together. A folder gets a file for each one read, under the same name.
@@ -91,7 +91,7 @@ def predict(options: PredictOptions) -> int:
     model = read_model(options.model)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
     scenes = read_scenes(options.table, model.columns, remedy=model.remedy, dialect=dialect).scenes
-    check_schema(options.table, scenes, model.tree.schema)
+    check_schema(options.table, scenes, model.schema)
     text = _as_csv(model, scenes, options.jobs)
     if options.out is None:
         print_data(text)
@@ -103,20 +103,19 @@ def predict(options: PredictOptions) -> int:
 
 def _as_csv(model: Model, scenes: Scenes, n_jobs: int) -> str:
     from relforest.scenes.ids import plain
-    from relforest.trees import query
-    from relforest.trees.nodes import variable_name
 
-    answers = query(model.tree, scenes, n_jobs=n_jobs)
-    probabilities = model.tree.leaf_probabilities[answers.leaf]
+    found = model.predictions(scenes, n_jobs=n_jobs)
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    variables = [f"witness_{variable_name(variable)}" for variable in range(model.tree.n_variables)]
-    writer.writerow(["scene", "probability", "predicted", "leaf", *variables])
-    for number, (leaf, rows) in enumerate(
-        zip(answers.leaf.tolist(), answers.witnesses.tolist(), strict=True)
-    ):
-        probability = float(probabilities[number])
+    leaf = [] if found.leaf is None else ["leaf"]
+    writer.writerow(
+        ["scene", "probability", "predicted", *leaf, *(f"witness_{each}" for each in found.witnesses)]
+    )
+    for number, probability in enumerate(found.probability.tolist()):
+        rows = [int(rows[number]) for rows in found.witnesses.values()]
         witnesses = ["" if row < 0 else plain(scenes.object_ids[row]) for row in rows]
+        decided = [] if found.leaf is None else [int(found.leaf[number])]
         predicted = model.classes[int(probability >= 0.5)]
-        writer.writerow([plain(scenes.scene_ids[number]), f"{probability:.6g}", predicted, leaf, *witnesses])
+        scene = plain(scenes.scene_ids[number])
+        writer.writerow([scene, f"{probability:.6g}", predicted, *decided, *witnesses])
     return stream.getvalue()

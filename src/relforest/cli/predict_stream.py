@@ -21,8 +21,6 @@ from relforest.scenes.parquet_source import ParquetSource, is_pattern, open_sour
 from relforest.scenes.scene_stream import SceneBatch
 from relforest.support.errors import InputError
 from relforest.support.files import replacing
-from relforest.trees import query
-from relforest.trees.nodes import variable_name
 
 __all__ = ["parquet_output", "predict_files"]
 
@@ -83,7 +81,7 @@ def predict_files(model: Model, table: Path, out: Path, *, n_jobs: int, force: b
     for target in targets:
         check_free(target, force=force)
     stream = open_scenes(source, model.columns, remedy=model.remedy)
-    check_schema(table, stream, model.tree.schema)
+    check_schema(table, stream, model.schema)
     batches = stream.batches()
     first = next(batches)
     schema = _predictions(model, first.scenes.take([]), n_jobs=1).schema
@@ -125,17 +123,17 @@ def _targets(source: ParquetSource, out: Path) -> list[Path]:
 
 def _predictions(model: Model, scenes: Scenes, n_jobs: int) -> ArrowTable:
     """Return the columns of the command's CSV for some scenes."""
-    answers = query(model.tree, scenes, n_jobs=n_jobs)
-    probability = model.tree.leaf_probabilities[answers.leaf]
+    found = model.predictions(scenes, n_jobs=n_jobs)
     object_ids = _ids(scenes.object_ids)
     columns: dict[str, Any] = {
         "scene": _ids(scenes.scene_ids),
-        "probability": probability,
-        "predicted": _classes(model).take(pa.array((probability >= 0.5).astype(np.int64))),
-        "leaf": answers.leaf,
+        "probability": found.probability,
+        "predicted": _classes(model).take(pa.array((found.probability >= 0.5).astype(np.int64))),
     }
-    for variable, rows in enumerate(answers.witnesses.T):
-        columns[f"witness_{variable_name(variable)}"] = object_ids.take(pa.array(rows, mask=rows < 0))
+    if found.leaf is not None:
+        columns["leaf"] = found.leaf
+    for name, rows in found.witnesses.items():
+        columns[f"witness_{name}"] = object_ids.take(pa.array(rows, mask=rows < 0))
     return pa.table(columns)
 
 

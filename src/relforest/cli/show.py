@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class ShowOptions:
-    """Show a learned tree in words and, with --out, as a drawing.
+    """Show a learned model in words and, with --out, a tree as a drawing.
 
     The drawing shows each question with its decision volume: mean, scaled eigenvectors and, in two
     dimensions, the ellipse over the training points. With --scene, the path of that scene through the tree
@@ -83,6 +83,8 @@ def show(options: ShowOptions) -> int:
         check_free(options.out, force=options.force)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
+    if options.out is not None or chosen is not None:
+        _ = model.tree  # an ensemble has neither a drawing nor a path
     scene = None if chosen is None else _find_scene(*chosen, model, dialect)
     print(model.text)
     if scene is not None:
@@ -119,7 +121,7 @@ def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
     from relforest.scenes.ids import plain
 
     scenes = read_scenes(path, model.columns, remedy=model.remedy, dialect=dialect).scenes
-    check_schema(path, scenes, model.tree.schema)
+    check_schema(path, scenes, model.schema)
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
     positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
     if len(positions) > 1:

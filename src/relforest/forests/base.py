@@ -9,13 +9,13 @@ import numpy as np
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
+from relforest.forests.descriptions import MOST_QUESTIONS, ensemble_in_words
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.explanations import (
     Importance,
     ScoreExplanation,
     explain_scores,
     importances,
-    strongest_questions,
 )
 from relforest.forests.labels import checked_scenes
 from relforest.forests.settings import GrowthSettings
@@ -66,10 +66,10 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
         check_is_fitted(self)
         return importances(self.ensemble_)
 
-    def describe(self, *, most: int = 10) -> str:
+    def describe(self, *, most: int = MOST_QUESTIONS) -> str:
         """Return the model in words: the `most` useful questions, the most useful first."""
         check_is_fitted(self)
-        return "\n".join([self._title(), *strongest_questions(self.ensemble_, at_least("most", most, 1))])
+        return ensemble_in_words(self.ensemble_, self._scored(), most=at_least("most", most, 1))
 
     def _scores(self, scenes: Scenes) -> NDArray[np.float64]:
         check_is_fitted(self)
@@ -81,8 +81,8 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
         return scores.argmax(axis=1) if scores.shape[1] > 1 else np.zeros(len(scores), dtype=np.int64)
 
     @abstractmethod
-    def _title(self) -> str:
-        """Return what the numbers of `describe` mean."""
+    def _scored(self) -> str:
+        """Return what the last output scores, in words."""
 
     def _tables(
         self, scenes: Scenes, settings: GrowthSettings, rng: np.random.Generator

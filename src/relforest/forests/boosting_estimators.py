@@ -194,9 +194,8 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
         predicted: NDArray[Any] = self.classes_[probabilities.argmax(axis=1)]
         return predicted
 
-    def _title(self) -> str:
-        n, last = len(self.ensemble_.trees), self.classes_[-1]
-        return f"{n} trees; shares of the gain, and what the answer adds to the score of class {last}"
+    def _scored(self) -> str:
+        return f"class {self.classes_[-1]}"
 
 
 @final
@@ -244,7 +243,5 @@ class SMRFBoostingRegressor(RegressorMixin, _Boosting):  # type: ignore[misc]  #
         check_is_fitted(self)
         return self._scores(scenes)[:, 0]
 
-    def _title(self) -> str:
-        return (
-            f"{len(self.ensemble_.trees)} trees; shares of the gain, and what the answer adds to the target"
-        )
+    def _scored(self) -> str:
+        return "the target"

@@ -96,7 +96,7 @@ def explain_scores(
     ensemble: Ensemble, scenes: Scenes, outputs: NDArray[np.int64], most: int
 ) -> list[ScoreExplanation]:
     """Return the `most` strongest reasons for one output of every scene (n_scenes,)."""
-    means = [_means(tree) for tree in ensemble.trees]
+    means = [node_means(tree) for tree in ensemble.trees]
     scores = ensemble.scores(scenes)
     return [
         ScoreExplanation(
@@ -130,25 +130,7 @@ def question_kind(condition: Condition, schema: Schema) -> str:
     return "; ".join(sorted(parts))
 
 
-def strongest_questions(ensemble: Ensemble, most: int) -> list[str]:
-    """Return the questions with the largest gains in words, with what the answers say about the score."""
-    found = []
-    for tree, weight in zip(ensemble.trees, ensemble.weights, strict=True):
-        means = _means(tree)
-        for node in tree.nodes:
-            if isinstance(node, Split):
-                yes, no = (float(weight) * means[child][-1] for child in (node.yes, node.no))
-                found.append((node.gain * abs(float(weight)), node.condition, yes, no))
-    found.sort(key=lambda each: -each[0])
-    total = sum(gain for gain, *_ in found) or 1.0
-    return [
-        f"{100 * gain / total:4.1f} %  {yes:+.3f} if, {no:+.3f} if not: "
-        f"{sentence(condition, ensemble.schema)}"
-        for gain, condition, yes, no in found[:most]
-    ]
-
-
-def _means(tree: SceneTree) -> list[NDArray[np.float64]]:
+def node_means(tree: SceneTree) -> list[NDArray[np.float64]]:
     """Return the mean number of the leaves below each node, by training scenes."""
     sums: dict[int, tuple[NDArray[np.float64], float]] = {}
     for index in range(len(tree.nodes) - 1, -1, -1):

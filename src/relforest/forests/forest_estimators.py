@@ -193,11 +193,8 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
         predicted: NDArray[Any] = self.classes_[self.predict_proba(scenes).argmax(axis=1)]
         return predicted
 
-    def _title(self) -> str:
-        return (
-            f"{len(self.ensemble_.trees)} trees; shares of the gain, and what the answer adds to the "
-            f"probability of class {self.classes_[-1]}"
-        )
+    def _scored(self) -> str:
+        return f"class {self.classes_[-1]}"
 
 
 @final
@@ -248,10 +245,8 @@ class SMRFForestRegressor(RegressorMixin, _Forest):  # type: ignore[misc]  # sci
         """Predicted target of each scene, (n_scenes,)."""
         return self._scores(scenes)[:, 0]
 
-    def _title(self) -> str:
-        return (
-            f"{len(self.ensemble_.trees)} trees; shares of the gain, and what the answer adds to the target"
-        )
+    def _scored(self) -> str:
+        return "the target"
 
 
 def _probabilities(scores: NDArray[np.float64]) -> NDArray[np.float64]:

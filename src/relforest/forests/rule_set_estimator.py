@@ -10,6 +10,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests.base import SceneEstimator, growth_settings
 from relforest.forests.boosting import BoostingSettings, boost
+from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import checked_scenes, class_targets
 from relforest.forests.losses import Logistic
@@ -24,9 +25,8 @@ from relforest.forests.rule_sets import (
 )
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
-from relforest.forests.words import sentence
 from relforest.support.errors import InputError
-from relforest.support.numerals import probability
+from relforest.support.options import at_least
 from relforest.support.progress import part, printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
 
@@ -140,17 +140,10 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         predicted: NDArray[Any] = self.classes_[self.predict_proba(scenes).argmax(axis=1)]
         return predicted
 
-    def describe(self, *, most: int = 10) -> str:
+    def describe(self, *, most: int = MOST_QUESTIONS) -> str:
         """Return the best rule set in words; `most` bounds the rules that are listed."""
         check_is_fitted(self)
-        best = self.ensemble_.trees[0]
-        leaves = [node for node in best.nodes if isinstance(node, Value)]
-        lines = [
-            f"if {sentence(split.condition, self.ensemble_.schema)}: {_outcome(leaf)}"
-            for split, leaf in zip(best.splits[:most], leaves, strict=False)
-        ]
-        title = f"probability of class {self.classes_[1]}, by the first rule that holds"
-        return "\n".join([title, *lines, f"otherwise: {_outcome(leaves[-1])}"])
+        return rule_set_in_words(self.ensemble_, self._scored(), most=at_least("most", most, 1))
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings, RuleSetSettings]:
         how = BoostingSettings(self.n_trees)
@@ -173,8 +166,8 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         weights = np.array([each.weight / total for each in kept])
         return Ensemble(scenes.schema, np.zeros(1), trees, weights)
 
-    def _title(self) -> str:
-        return self.describe()
+    def _scored(self) -> str:
+        return f"class {self.classes_[1]}"
 
 
 def _chain(
@@ -205,7 +198,3 @@ def _chain(
 def _share(chosen: NDArray[np.bool_], positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> float:
     """Return the smoothed share of positive scenes among the chosen ones."""
     return float(((weights * positive)[chosen].sum() + 0.5) / (weights[chosen].sum() + 1.0))
-
-
-def _outcome(leaf: Value) -> str:
-    return f"{probability(leaf.numbers[0])}  ({leaf.n_scenes} scenes)"

@@ -161,11 +161,7 @@ def recoded(parts: SceneArrays, schema: Schema) -> SceneArrays:
     InputError
         If the schemas differ otherwise, or an object's category is not among those of the other schema.
     """
-    own = tuple(
-        mine.with_categories(theirs.categories) if mine.kind == theirs.kind == "category" else mine
-        for mine, theirs in zip(parts.schema.attributes, schema.attributes, strict=False)
-    )
-    if (own, parts.schema.parameters) != (schema.attributes, schema.parameters):
+    if not schema.resembles(parts.schema):
         raise InputError(f"the model is for scenes with {schema}, these have {parts.schema}")
     matrix = parts.matrix.copy()
     for mine, theirs in zip(parts.schema.attributes, schema.attributes, strict=True):

@@ -229,6 +229,14 @@ class Schema:
         """Return the attribute that a column of `Scenes.matrix` belongs to."""
         return next(each for each in self.attributes if column < self.columns(each.name).stop)
 
+    def resembles(self, other: Schema) -> bool:
+        """Return whether the other schema is the same, but perhaps for the categories of its attributes."""
+        mine, theirs = (
+            [each.with_categories(()) if each.kind == "category" else each for each in attributes]
+            for attributes in (self.attributes, other.attributes)
+        )
+        return mine == theirs and self.parameters == other.parameters
+
     def __getitem__(self, name: str) -> Attribute:
         """Return attribute ``name``; `InputError` if it does not exist."""
         return self.attributes[self.index(name)]

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.support.errors import InputError
 from relforest.support.parallel import checked_jobs
 from relforest.trees.boxes import FEWEST, make_boxes
 from relforest.trees.kernels import query_batch, query_work
@@ -55,18 +54,16 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
     ----------
     tree : Tree
     scenes : Scenes
-        n scenes of the tree's schema.
+        n scenes of the tree's schema; categories are matched by name.
     n_jobs : int
         Number of threads, -1 = one per core; the kernel releases the GIL. It does not affect the answers.
 
     Raises
     ------
     InputError
-        If the scenes have a different schema, or `n_jobs` is neither -1 nor positive.
+        If the scenes have a different schema or a category never seen, or `n_jobs` is invalid.
     """
-    if scenes.schema != tree.schema:
-        msg = f"the tree is for scenes with {tree.schema}, these have {scenes.schema}"
-        raise InputError(msg)
+    scenes = scenes.recoded(tree.schema)
     n = len(scenes)
     packed = tree.packed
     out = (
