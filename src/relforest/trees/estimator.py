@@ -19,6 +19,7 @@ from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.trees.growth import grow
 from relforest.trees.inference import query
 from relforest.trees.nodes import variable_name
+from relforest.trees.search import SearchName
 from relforest.trees.settings import Test, TreeSettings
 
 if TYPE_CHECKING:
@@ -71,14 +72,20 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
         Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
         questions on pure noise more often than `alpha`; the permutation test keeps its level.
+    search : {"screened", "exhaustive"}, default "screened"
+        How the best question is found. The exhaustive search is that of the source: all possible questions
+        on all scenes. The screened search tries them on a few scenes, then the best on all; it is about ten
+        times faster.
     alpha : float, default 0.05
         Significance level.
     attempts : int, default 3
-        Number of attempts at each possible question.
+        Number of attempts at each possible question in the exhaustive search. The screened search makes
+        fewer, but corrects for as many comparisons.
     permutations : int, default 99
         Number of permutations in the permutation test.
     max_points : int, default 100_000
-        Expansions with more instantiation sequences are left out, and counted by `n_left_out_`.
+        Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
+        and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -96,6 +103,8 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         The accepted questions, with p-values, in the order in which they were learned.
     n_left_out_ : int
         Number of expansions left out because of `max_points`.
+    n_sampled_ : int
+        Number of expansions searched by a sample because of `max_points`.
 
     References
     ----------
@@ -122,6 +131,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         self,
         *,
         test: Test = "likelihood-ratio",
+        search: SearchName = "screened",
         alpha: float = 0.05,
         attempts: int = 3,
         permutations: int = 99,
@@ -131,6 +141,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         verbose: bool = False,
     ) -> None:
         self.test = test
+        self.search = search
         self.alpha = alpha
         self.attempts = attempts
         self.permutations = permutations
@@ -155,6 +166,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         """
         settings = TreeSettings(
             test=self.test,
+            search=self.search,
             alpha=self.alpha,
             attempts=self.attempts,
             permutations=self.permutations,
@@ -168,6 +180,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         self.tree_: Tree = growth.tree
         self.steps_: tuple[Step, ...] = growth.steps
         self.n_left_out_: int = growth.n_left_out
+        self.n_sampled_: int = growth.n_sampled
         return self
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:

@@ -10,10 +10,11 @@ import numpy as np
 from relforest.mappings import catalogue
 from relforest.support.errors import InputError
 from relforest.support.progress import part
-from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
+from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.permutation import permutation_p
 from relforest.trees.probabilities import Assignment, assign, potential
+from relforest.trees.search import SEARCHES, LeafSearch
 from relforest.trees.sequences import Sequences, argument_places
 from relforest.trees.settings import TreeSettings
 from relforest.trees.significance import sidak
@@ -66,11 +67,15 @@ class Growth:
         Accepted expansions, in order.
     n_left_out : int
         Expansions that were not tried because of `TreeSettings.max_points`.
+    n_sampled : int
+        Expansions that were searched by a sample of their instantiation sequences for the same reason. The
+        scenes at a leaf always follow from all sequences.
     """
 
     tree: Tree
     steps: tuple[Step, ...]
     n_left_out: int
+    n_sampled: int
 
 
 def grow(
@@ -121,20 +126,20 @@ def grow(
     )
     places, mappings = argument_places(scenes), catalogue(scenes.schema)
     steps: list[Step] = []
-    n_left_out = 0
+    n_left_out = n_sampled = 0
     while True:
         assignment = assign(state.presence, labels)
         leaf = _most_promising(state, labels, assignment)
         if leaf is None:
             break
         with part(f"question {len(steps) + 1}"):
-            questions, left_out = prepare(
-                scenes, places, state.sequences[leaf], mappings, settings.max_points
-            )
-            n_left_out += left_out
-            at = OpenLeaf(leaf, state.presence, assignment)
-            found = best_candidate(questions, labels, at, settings, rng)
-            p_value = None if found is None else _tested(found, questions, labels, at, settings, rng)
+            arrivals = Arrivals(scenes, places, mappings, state.sequences[leaf])
+            search = SEARCHES[settings.search].at(arrivals, settings, rng)
+            n_left_out += search.n_left_out
+            n_sampled += search.n_sampled
+            at = OpenLeaf(state.tree, leaf, state.presence, assignment)
+            found = search.best(labels, at, rng)
+            p_value = None if found is None else _tested(found, search, labels, at, settings, rng)
         if found is None or p_value is None:
             state = state.closed(leaf)
             continue
@@ -145,7 +150,7 @@ def grow(
         Leaf(float(p), int(negatives), int(positives))
         for p, (negatives, positives) in zip(assignment.probability, assignment.counts, strict=True)
     ]
-    return Growth(state.tree.with_leaves(leaves), tuple(steps), n_left_out)
+    return Growth(state.tree.with_leaves(leaves), tuple(steps), n_left_out, n_sampled)
 
 
 @final
@@ -187,7 +192,7 @@ def _most_promising(state: _State, labels: NDArray[np.bool_], assignment: Assign
 
 def _tested(
     found: Candidate,
-    questions: list[PreparedQuestion],
+    search: LeafSearch,
     labels: NDArray[np.bool_],
     at: OpenLeaf,
     settings: TreeSettings,
@@ -195,6 +200,6 @@ def _tested(
 ) -> float | None:
     """Return the p-value of the best candidate if it is significant, else None."""
     if settings.test == "permutation":
-        p_value = permutation_p(found, questions, labels, at, settings, rng)
+        p_value = permutation_p(found, search, labels, at, settings, rng)
         return p_value if p_value <= settings.alpha else None
     return found.p_value if found.p_value < sidak(settings.alpha, found.n_tried) else None

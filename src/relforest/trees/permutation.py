@@ -8,13 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from relforest.support.progress import part
-from relforest.trees.candidates import (
-    Candidate,
-    OpenLeaf,
-    PreparedQuestion,
-    SearchSettings,
-    best_candidate,
-)
+from relforest.trees.candidates import Candidate, OpenLeaf
+from relforest.trees.search import LeafSearch, SearchSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +31,7 @@ class PermutationSettings(SearchSettings, Protocol):
 
 def permutation_p(
     found: Candidate,
-    questions: list[PreparedQuestion],
+    search: LeafSearch,
     labels: NDArray[np.bool_],
     at: OpenLeaf,
     settings: PermutationSettings,
@@ -62,7 +57,7 @@ def permutation_p(
     for number in range(1, settings.permutations + 1):
         shuffled = _shuffled(labels, at.assignment.winner, rng)
         with part(f"shuffle {number} of {settings.permutations}"):
-            null = best_candidate(questions, shuffled, at.relabelled(shuffled), settings, rng)
+            null = search.best(shuffled, at.relabelled(shuffled), rng)
         as_good += null is not None and null.beats(found)
         if as_good > allowed:
             break

@@ -9,14 +9,14 @@ import numpy as np
 
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
-from relforest.volumes.aggregation import Problem, aggregate_keys
+from relforest.volumes.aggregation import Found, Problem, aggregate_keys
 from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
 from relforest.volumes.conditioning import condition
 from relforest.volumes.ellipsoid import Ellipsoid
 from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
 from relforest.volumes.objectives import OBJECTIVES, Objective, entropy_table
-from relforest.volumes.principal_axes import principal_axes
+from relforest.volumes.principal_axes import PrincipalAxes, principal_axes
 from relforest.volumes.settings import CovAggSettings
 from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
 
@@ -101,10 +101,58 @@ def aggregate(
     circular = one_of("space", space, ("euclidean", "circle")) == "circle"
     one_of("objective", objective, tuple(OBJECTIVES))
     _check(points, starts, labels, circular=circular)
+    searched = _search(points, starts, labels, rng, circular=circular, objective=objective, settings=settings)
+    if searched is None:
+        return None
+    found, prior, axes = searched
+    models = found.models
+    score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
+    if score == -np.inf:
+        return None
+    if circular:
+        in_positive = np.repeat(labels, np.diff(starts))
+        kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
+        volume: Volume = Arc(float(models.centres[BEST, 0]), found.radius, kappa)
+    else:
+        mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
+        condition(covariance, settings.max_condition)
+        if axes is not None:
+            mean, covariance = axes.back(mean, covariance)
+        volume = Ellipsoid(mean, covariance, found.radius, n_keys, float(settings.prior_weight))
+    return Aggregation(volume, score, found.n_models)
+
+
+def best_score(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    *,
+    rng: np.random.Generator,
+    space: Literal["euclidean", "circle"],
+    objective: Objective,
+    settings: CovAggSettings,
+) -> float:
+    """Return the score that `aggregate` would reach, minus infinity for None, without checks or a volume."""
+    circular = space == "circle"
+    searched = _search(points, starts, labels, rng, circular=circular, objective=objective, settings=settings)
+    return -np.inf if searched is None else float(searched[0].models.numbers[BEST, SCORE])
+
+
+def _search(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    rng: np.random.Generator,
+    *,
+    circular: bool,
+    objective: Objective,
+    settings: CovAggSettings,
+) -> tuple[Found, NDArray[np.float64], PrincipalAxes | None] | None:
+    """Run the compiled loop; None without positive bags."""
     n_positive = int(np.count_nonzero(labels))
     if n_positive == 0:
         return None
-    in_positive = np.repeat(labels, np.diff(starts))
+    in_positive = np.repeat(labels, starts[1:] - starts[:-1])
     axes = principal_axes(points, in_positive) if points.shape[1] > FEW_DIMENSIONS else None
     if axes is None:
         prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
@@ -117,20 +165,7 @@ def aggregate(
     most_sampled = min(settings.sampled, n_positive)
     draws = rng.random(min(settings.restarts, n_positive) * (1 + most_sampled * n_positive))
     layout, positives = slot_major(points, starts, labels)
-    models, radius, n_models = aggregate_keys(layout, positives, problem, draws)
-    score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
-    if score == -np.inf:
-        return None
-    if circular:
-        kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
-        volume: Volume = Arc(float(models.centres[BEST, 0]), radius, kappa)
-    else:
-        mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
-        condition(covariance, settings.max_condition)
-        if axes is not None:
-            mean, covariance = axes.back(mean, covariance)
-        volume = Ellipsoid(mean, covariance, radius, n_keys, float(settings.prior_weight))
-    return Aggregation(volume, score, n_models)
+    return aggregate_keys(layout, positives, problem, draws), prior, axes
 
 
 def _check(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -20,8 +21,9 @@ LOG_LIKELIHOOD: Final = 1
 OBJECTIVES: Final = MappingProxyType({"accuracy": ACCURACY, "log-likelihood": LOG_LIKELIHOOD})
 
 
+@lru_cache(maxsize=1024)
 def entropy_table(n: int) -> NDArray[np.float64]:
-    """``k ln k`` for k = 0 .. n, so that no logarithm is taken while volumes are tried."""
+    """``k ln k`` for k = 0 .. n, so that no logarithm is taken while volumes are tried; not to be changed."""
     return xlogy(np.arange(n + 1.0), np.arange(n + 1.0))
 
 
