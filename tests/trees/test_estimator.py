@@ -205,7 +205,7 @@ def test_the_permutation_test() -> None:
 
 
 def test_expansions_left_out_are_counted() -> None:
-    model = fitted(max_points=40)
+    model = fitted(max_points=40, search="exhaustive")
 
     # 40 sequences for the passer, more for the passer and a mate; two mates without him are more still.
     assert model.tree_.is_stub

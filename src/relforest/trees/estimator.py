@@ -127,7 +127,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         no: 0.00  (0 of 24 scenes positive)
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
         self,
         *,
         test: Test = "likelihood-ratio",

@@ -86,7 +86,7 @@ class Exhaustive:
     Palmer (2015), Algorithm 4.1.
     """
 
-    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> LeafSearch:  # noqa: ARG002
+    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> ExhaustiveLeaf:  # noqa: ARG002
         """Map the points of all questions."""
         questions: list[PreparedQuestion] = []
         n_left_out = 0
@@ -99,12 +99,14 @@ class Exhaustive:
             question = PreparedQuestion(arrivals.scenes, expansion, sequences)
             if len(question.bags.points):
                 questions.append(question)
-        return _ExhaustiveLeaf(questions, settings, n_left_out)
+        return ExhaustiveLeaf(questions, settings, n_left_out)
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class _ExhaustiveLeaf:
+class ExhaustiveLeaf:
+    """The questions at a leaf, each with all its points."""
+
     questions: list[PreparedQuestion]
     settings: SearchSettings
     n_left_out: int
@@ -145,10 +147,8 @@ class Screened:
 
     n_scenes: int = 120
     n_kept: int = 4
-    max_points: int = 10_000
-    covagg: CovAggSettings = field(
-        default_factory=lambda: CovAggSettings(window=4, restarts=2, sampled=2)
-    )
+    max_points: int = 3_000
+    covagg: CovAggSettings = field(default_factory=lambda: CovAggSettings(window=4, restarts=2, sampled=2))
 
     def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> LeafSearch:
         """Count the instantiation sequences, and draw them for the expansions that have too many."""
@@ -162,7 +162,7 @@ class Screened:
             if size > _LARGEST_RATIO * settings.max_points:
                 n_left_out += 1
                 continue
-            n_sampled += size > settings.max_points
+            n_sampled += int(size > settings.max_points)
             expansions.append(expansion)
         most = max((expansion.n_new for expansion in expansions), default=-1)
         full = arrivals.drawn(most, settings.max_points, rng)
@@ -193,9 +193,7 @@ class _ScreenedLeaf:
             best = at.judged(best.question, best.volume, labels, exactly=True)
         return best.among(n_questions * self.settings.attempts)
 
-    def _screened(
-        self, labels: NDArray[np.bool_], rng: np.random.Generator
-    ) -> tuple[list[Expansion], int]:
+    def _screened(self, labels: NDArray[np.bool_], rng: np.random.Generator) -> tuple[list[Expansion], int]:
         """Return the most promising expansions, and how many have points."""
         arrivals, plan = self.arrivals, self.plan
         present = np.unique(arrivals.sequences.scene)
@@ -209,7 +207,7 @@ class _ScreenedLeaf:
             report("expansions tried", number, len(self.expansions))
             mapping = expansion.mapping
             bags = bags_of(arrivals.scenes, few[expansion.n_new].distinct(expansion.variables), mapping)
-            n_questions += len(bags.points) > 0
+            n_questions += int(len(bags.points) > 0)
             if not bags.differ:
                 continue
             own = labels[bags.scenes]
@@ -238,7 +236,7 @@ SEARCHES: Final[MappingProxyType[SearchName, Search]] = MappingProxyType(
 def stratified(
     scenes: NDArray[np.int64], labels: NDArray[np.bool_], n: int, rng: np.random.Generator
 ) -> NDArray[np.int64]:
-    """Draw about n of some scenes, ascending, of either label in proportion, but at least one where there is."""
+    """Draw about n of some scenes, ascending, of either label in proportion, but at least one."""
     if len(scenes) <= n:
         return scenes
     parts = []

@@ -269,10 +269,8 @@ def _distinct(
 
 
 @kernel
-def _distinct_keys(
-    objects: NDArray[np.int64], variables: NDArray[np.int64]
-) -> tuple[int, NDArray[np.int64]]:
-    """Return the distinct tuples of one scene's sequences as numbers of some base, ascending, and the base."""
+def _distinct_keys(objects: NDArray[np.int64], variables: NDArray[np.int64]) -> tuple[int, NDArray[np.int64]]:
+    """Return the distinct tuples of one scene's sequences as ascending numbers, and their base."""
     n, base = len(objects), 1
     for i in range(n):
         for variable in variables:
