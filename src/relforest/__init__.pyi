@@ -18,7 +18,7 @@ from .mil import CovAggClassifier
 from .rl import SMRFRPI
 from .scenes import Attribute, Scenes, Schema
 from .support.progress import Stage, listening
-from .trees import SMRFTreeClassifier, Tree
+from .trees import SMRFTreeClassifier, SMRFTreeRegressor, Tree
 from .worlds import ENVIRONMENT_IDS
 
 __version__: str
@@ -29,6 +29,7 @@ __all__ = [
     "Attribute",
     "CovAggClassifier",
     "SMRFTreeClassifier",
+    "SMRFTreeRegressor",
     "Scenes",
     "Schema",
     "Stage",

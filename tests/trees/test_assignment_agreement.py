@@ -7,14 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from reference import leaves as twin
-from relforest.trees.probabilities import assign
+from relforest.trees.criterion import Target
 
 
 def check(presence: NDArray[np.bool_], labels: NDArray[np.bool_]) -> twin.Assignment:
     """Assert that both assignments agree and return the twin's."""
-    found, expected = assign(presence, labels), twin.assign(presence, labels)
-    np.testing.assert_allclose(found.probability, expected.probabilities, rtol=1e-14)
-    np.testing.assert_array_equal(found.counts, np.column_stack([expected.negatives, expected.positives]))
+    found, expected = Target.binary(labels).assign(presence), twin.assign(presence, labels)
+    np.testing.assert_allclose(found.value, expected.probabilities, rtol=1e-14)
+    np.testing.assert_array_equal(found.sums, np.column_stack([expected.negatives, expected.positives]))
     np.testing.assert_array_equal(found.winner, expected.winners)
     return expected
 

@@ -10,8 +10,8 @@ from relforest.mappings import Mapping
 from relforest.scenes import Scenes
 from relforest.trees import Leaf, Question, Tree
 from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion
+from relforest.trees.criterion import Target
 from relforest.trees.expansions import Expansion
-from relforest.trees.probabilities import assign
 from relforest.trees.sequences import Sequences, argument_places
 from small_trees import NOWHERE, Place, ball, plane, scenes_in
 
@@ -109,15 +109,15 @@ def test_who_goes_where_is_known_without_the_sequences() -> None:
     first = asked(scenes, "identity", (0,), 1)
     stub = Tree.stub(scenes.schema, Leaf(0.0, 0, 0))
     everywhere = np.ones((1, 20), dtype=np.bool_)
-    labels = rng.random(20) < 0.5
-    root = OpenLeaf(stub, 0, everywhere, assign(everywhere, labels))
+    target = Target.binary(rng.random(20) < 0.5)
+    root = OpenLeaf(stub, 0, everywhere, target.assign(everywhere))
     near = ball([0.0, 0.0], 1.0)
     np.testing.assert_array_equal(root.below(first, near), first.presence(near))
 
     # Below the No leaf, for a question about another object.
     presence = first.presence(near)
     node = Question(first.expansion.mapping, (0,), near, 0, 0, 0)
-    leaf = OpenLeaf(stub.expanded(0, 1, node), 1, presence, assign(presence, labels))
+    leaf = OpenLeaf(stub.expanded(0, 1, node), 1, presence, target.assign(presence))
     sequences = first.partition(near)[1].extended(scenes.counts, argument_places(scenes))
     distance = Expansion(1, Mapping("distance", scenes.schema["location"]), (0, 1))
     second = PreparedQuestion(scenes, distance, sequences)
@@ -130,7 +130,7 @@ def test_who_goes_where_is_known_without_the_sequences() -> None:
     )
     missing = presence[1] & (np.arange(20) >= 10)
     assert missing.any()
-    assert leaf.judged(few, close, labels).presence[1][missing].all()
-    exact = leaf.judged(few, close, labels, exactly=True)
+    assert leaf.judged(few, close, target).presence[1][missing].all()
+    exact = leaf.judged(few, close, target, exactly=True)
     np.testing.assert_array_equal(exact.presence, second.presence(close))
-    assert exact.gain == leaf.judged(second, close, labels).gain
+    assert exact.gain == leaf.judged(second, close, target).gain

@@ -194,7 +194,7 @@ def set_at(*path: str | int, to: object) -> Callable[[Document], object]:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (set_at("version", to=2), "written by a newer relforest: relforest-tree version 2"),
+        (set_at("version", to=3), "written by a newer relforest: relforest-tree version 3"),
         (set_at("format", to="relforest-policy"), "its format is 'relforest-policy'"),
         (set_at("nodes", to=[]), "a tree needs at least one node"),
         (set_at("nodes", 0, "kind", to="forest"), "unknown node kind 'forest': expected leaf, instantiation"),

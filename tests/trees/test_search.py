@@ -10,7 +10,7 @@ from relforest.mappings import catalogue
 from relforest.scenes import Scenes
 from relforest.trees import Leaf, Tree, TreeSettings
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf, PreparedQuestion
-from relforest.trees.probabilities import assign
+from relforest.trees.criterion import Target
 from relforest.trees.search import SEARCHES, Exhaustive, Screened, SearchName, stratified
 from relforest.trees.sequences import Sequences, argument_places
 from relforest.trees.structure import MAX_VARIABLES
@@ -105,19 +105,23 @@ def test_a_branch_that_binds_all_it_may_is_not_extended() -> None:
         leaf = search.at(arrivals, TreeSettings(), np.random.default_rng(0))
         labels = np.array([True, False, True, False])
         presence = np.ones((1, 4), dtype=np.bool_)
-        at = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, assign(presence, labels))
+        at = OpenLeaf(
+            Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
+        )
 
         # Nothing is bound, so that there is nothing to ask without another variable either.
-        assert leaf.best(labels, at, np.random.default_rng(0)) is None
+        assert leaf.best(Target.binary(labels), at, np.random.default_rng(0)) is None
         assert leaf.n_left_out > 0
 
 
 def search(scenes: Scenes, labels: Booleans, name: SearchName, *, attempts: int = 1) -> Candidate | None:
     presence = np.ones((1, len(scenes)), dtype=np.bool_)
-    root = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, assign(presence, labels))
+    root = OpenLeaf(
+        Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
+    )
     rng = np.random.default_rng(0)
     leaf = SEARCHES[name].at(arrivals_at_root(scenes), TreeSettings(attempts=attempts), rng)
-    return leaf.best(labels, root, rng)
+    return leaf.best(Target.binary(labels), root, rng)
 
 
 @pytest.mark.parametrize("name", SEARCHES)
@@ -159,9 +163,11 @@ def test_few_scenes_suffice_to_find_the_best_question() -> None:
     )
     scenes = scenes_in(plane(operations=("identity", "distance")), places.tolist())
     presence = np.ones((1, n), dtype=np.bool_)
-    root = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, assign(presence, labels))
+    root = OpenLeaf(
+        Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
+    )
     plan = Screened(n_scenes=10, n_kept=1)
-    found = plan.at(arrivals_at_root(scenes), TreeSettings(), rng).best(labels, root, rng)
+    found = plan.at(arrivals_at_root(scenes), TreeSettings(), rng).best(Target.binary(labels), root, rng)
 
     assert found is not None
     assert found.question.expansion.mapping.name == "distance(location)"
@@ -184,9 +190,11 @@ def test_too_many_sequences_are_sampled_or_left_out() -> None:
         assert [leaf.n_sampled, leaf.n_left_out] == counts
 
     presence = np.ones((1, n), dtype=np.bool_)
-    root = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, assign(presence, labels))
+    root = OpenLeaf(
+        Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
+    )
     leaf = Screened().at(arrivals_at_root(scenes), TreeSettings(max_points=200), rng)
-    found = leaf.best(labels, root, rng)
+    found = leaf.best(Target.binary(labels), root, rng)
     assert found is not None
     # The sample has 20 of 30 pairs of each scene, but who arrives where is exact.
     assert len(found.question.sequences) == 200
@@ -208,12 +216,15 @@ def test_sizes_by_hand() -> None:
 
 
 def test_scenes_are_drawn_by_label() -> None:
-    labels = np.arange(100) < 90
-    drawn = stratified(np.arange(0, 100, 2), labels, 10, np.random.default_rng(0))
+    strata = (np.arange(100) < 90).astype(np.int64)
+    drawn = stratified(np.arange(0, 100, 2), strata, 10, np.random.default_rng(0))
 
     assert (np.diff(drawn) > 0).all()
     assert (drawn % 2 == 0).all()
-    assert (np.count_nonzero(labels[drawn]), np.count_nonzero(~labels[drawn])) == (9, 1)
-    # At least one of the rare label; all, where there are few.
-    assert len(stratified(np.arange(85, 91), labels, 2, np.random.default_rng(0))) == 3
-    assert stratified(np.arange(5), labels, 5, np.random.default_rng(0)).tolist() == [0, 1, 2, 3, 4]
+    # All five of the rare stratum, and of two as many as possible.
+    assert np.bincount(strata[drawn]).tolist() == [5, 5]
+    assert np.bincount(
+        strata[stratified(np.arange(88, 99), strata, 10, np.random.default_rng(0))]
+    ).tolist() == [8, 2]
+    assert len(stratified(np.arange(85, 91), strata, 1, np.random.default_rng(0))) == 2
+    assert stratified(np.arange(5), strata, 5, np.random.default_rng(0)).tolist() == [0, 1, 2, 3, 4]

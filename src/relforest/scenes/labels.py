@@ -55,27 +55,7 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
         If the number of labels is wrong, a label is missing, masked, NaN or infinite, or there are not
         exactly two classes. Messages use scikit-learn's wording where possible.
     """
-    labels = _column(y)
-    if isinstance(y, (list, tuple)) and labels.dtype.kind == "U" and not all(isinstance(v, str) for v in y):
-        # NumPy has converted numbers to strings.
-        labels = np.array(y, dtype=object)
-    if len(labels) != n_expected:
-        raise InputError(f"got {len(labels)} labels for {n_expected} {what}: give one label for each")
-    if labels.dtype.kind == "O":
-        labels = _of_one_type(labels, what)
-    kind = labels.dtype.kind
-    if kind == "f":
-        if not np.isfinite(labels).all():
-            raise InputError(
-                f"labels contain NaN or infinite values: give each of the {what} one of two classes"
-            )
-        if (labels != np.floor(labels)).any():
-            raise InputError(
-                "Unknown label type: continuous. The labels must be of two classes, such as 0 and 1: compare "
-                "your values with a threshold"
-            )
-    elif kind not in "biuUOT":
-        raise InputError(_unknown(labels[0], what))
+    labels = _checked_labels(y, n_expected, what=what)
     classes = np.unique(labels)
     if len(classes) > 2:
         listed = ", ".join(map(str, classes[:5]))
@@ -89,6 +69,69 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
             f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
         )
     return BinaryLabels(classes, labels == classes[1])
+
+
+def class_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Check the labels of two or more classes.
+
+    Parameters
+    ----------
+    y : array-like (n_expected,)
+        Whole numbers, booleans or strings.
+    n_expected : int
+        How many labels there should be.
+    what : str
+        The labelled things, for error messages.
+
+    Returns
+    -------
+    classes : ndarray (n_classes,)
+        The different labels in sorted order.
+    codes : int64 ndarray (n_expected,)
+        The position of each label among them.
+
+    Raises
+    ------
+    InputError
+        As for `binary_labels`, except that more classes are allowed, but not more than one for two labels.
+    """
+    labels = _checked_labels(y, n_expected, what=what)
+    classes, codes = np.unique(labels, return_inverse=True)
+    if len(classes) <= 2:
+        both = binary_labels(y, n_expected, what=what)
+        return both.classes, both.positive.astype(np.int64)
+    if 2 * len(classes) > n_expected:
+        raise InputError(
+            f"{n_expected} {what} have {len(classes)} classes: give at least two {what} a class on average, "
+            "or learn a number by regression"
+        )
+    return classes, codes.astype(np.int64)
+
+
+def _checked_labels(y: ArrayLike, n_expected: int, *, what: str) -> NDArray[Any]:
+    """Return labels of one type, all of them known, as a one-dimensional array."""
+    labels = _column(y)
+    if isinstance(y, (list, tuple)) and labels.dtype.kind == "U" and not all(isinstance(v, str) for v in y):
+        # NumPy has converted numbers to strings.
+        labels = np.array(y, dtype=object)
+    if len(labels) != n_expected:
+        raise InputError(f"got {len(labels)} labels for {n_expected} {what}: give one label for each")
+    if labels.dtype.kind == "O":
+        labels = _of_one_type(labels, what)
+    kind = labels.dtype.kind
+    if kind == "f":
+        if not np.isfinite(labels).all():
+            raise InputError(
+                f"labels contain NaN or infinite values: give each of the {what} one of the classes"
+            )
+        if (labels != np.floor(labels)).any():
+            raise InputError(
+                "Unknown label type: continuous. The labels must be of two classes, such as 0 and 1: compare "
+                "your values with a threshold"
+            )
+    elif kind not in "biuUOT":
+        raise InputError(_unknown(labels[0], what))
+    return labels
 
 
 def _column(y: ArrayLike) -> NDArray[Any]:

@@ -13,7 +13,7 @@ from relforest.trees.inference import query
 from relforest.trees.kernels import ERROR, NO, YES, answer_tuples
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.packing import pack
-from relforest.trees.probabilities import Assignment, assign
+from relforest.trees.probabilities import Assignment
 from relforest.trees.sequences import Sequences, n_extensions, rows_of
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
 from relforest.trees.structure import MAX_VARIABLES
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from relforest.mappings import Mapping
     from relforest.scenes import Scenes
+    from relforest.trees.criterion import Target
     from relforest.trees.tree import Tree
     from relforest.volumes import Volume
 
@@ -199,14 +200,14 @@ class OpenLeaf:
     presence: NDArray[np.bool_]
     assignment: Assignment
 
-    def relabelled(self, labels: NDArray[np.bool_]) -> OpenLeaf:
-        """The same leaf of the same tree, with probabilities from other labels."""
-        return replace(self, assignment=assign(self.presence, labels))
+    def retargeted(self, target: Target) -> OpenLeaf:
+        """The same leaf of the same tree, with values for another target."""
+        return replace(self, assignment=target.assign(self.presence))
 
-    def expanded(self, below: NDArray[np.bool_], labels: NDArray[np.bool_]) -> Assignment:
+    def expanded(self, below: NDArray[np.bool_], target: Target) -> Assignment:
         """The assignment if leaves with presence `below` replaced this one."""
         presence = (self.presence[: self.leaf], below, self.presence[self.leaf + 1 :])
-        return assign(np.vstack(presence), labels)
+        return target.assign(np.vstack(presence))
 
     def below(self, question: PreparedQuestion, volume: Volume) -> NDArray[np.bool_]:
         """Which scenes arrive at the Yes, No and Error leaf of a question here, (3, n_scenes).
@@ -227,7 +228,7 @@ class OpenLeaf:
         return present
 
     def judged(
-        self, question: PreparedQuestion, volume: Volume, labels: NDArray[np.bool_], *, exactly: bool = False
+        self, question: PreparedQuestion, volume: Volume, target: Target, *, exactly: bool = False
     ) -> Candidate:
         """Return what a volume would do to the tree, as the only one tried.
 
@@ -237,6 +238,7 @@ class OpenLeaf:
         below = self.below(question, volume) if exactly else question.presence(volume)
         if question.sequences.ratio > 1.0:
             below[NO] |= self.presence[self.leaf] & ~below.any(axis=0)
-        gain = self.expanded(below, labels).log_likelihood - self.assignment.log_likelihood
-        n_parameters = added_parameters(question.expansion.mapping, has_errors=bool(below[ERROR].any()))
+        gain = self.expanded(below, target).log_likelihood - self.assignment.log_likelihood
+        mapping, has_errors = question.expansion.mapping, bool(below[ERROR].any())
+        n_parameters = added_parameters(mapping, has_errors=has_errors, n_values=target.n_values)
         return Candidate(question, volume, below, gain, likelihood_ratio_p(gain, n_parameters), 1)

@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal, Protocol, final
 
 import numpy as np
-from scipy.special import xlogy
 
 from relforest.support.progress import report
 from relforest.trees.bags import bags_of
@@ -19,6 +18,9 @@ from relforest.volumes.covagg import best_score
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from relforest.mappings.mapping import Space
+    from relforest.trees.bags import Bags
+    from relforest.trees.criterion import Target, View
     from relforest.trees.expansions import Expansion
     from relforest.trees.sequences import Sequences
 
@@ -49,7 +51,7 @@ class SearchSettings(Protocol):
 
 
 class LeafSearch(Protocol):
-    """A search at one leaf, for any labels: a permutation test repeats it."""
+    """A search at one leaf, for any target: a permutation test repeats it."""
 
     @property
     def n_left_out(self) -> int:
@@ -61,7 +63,7 @@ class LeafSearch(Protocol):
         """Expansions of which only a sample of the instantiation sequences is searched."""
         ...
 
-    def best(self, labels: NDArray[np.bool_], at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
+    def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
         """The most significant volume over all questions; None if no volume separates anything."""
         ...
 
@@ -112,13 +114,13 @@ class ExhaustiveLeaf:
     n_left_out: int
     n_sampled: int = 0
 
-    def best(self, labels: NDArray[np.bool_], at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
+    def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
         """Try each question so many times."""
         best: Candidate | None = None
         for number, question in enumerate(self.questions):
             report("expansions tried", number, len(self.questions))
             for _ in range(self.settings.attempts):
-                best = _better(best, _tried(question, labels, at, self.settings.covagg, rng))
+                best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
         return None if best is None else best.among(len(self.questions) * self.settings.attempts)
 
 
@@ -127,8 +129,8 @@ class ExhaustiveLeaf:
 class Screened:
     """Aggregate every question on a few scenes with little effort, and the few best of them on all scenes.
 
-    The scenes are drawn anew for each search, in proportion to the labels among those that arrive at the
-    leaf. A question whose scenes all hold the same points cannot separate anything, and is skipped. What
+    The scenes are drawn anew for each search from those that arrive at the leaf, as many of each class as
+    possible. A question whose scenes all hold the same points cannot separate anything, and is skipped. What
     counts is the p-value of the gain in log likelihood that the volume has on the scenes drawn, extrapolated
     to all that arrive. The correction for multiple comparisons counts every question `attempts` times as in
     the exhaustive search, so the level is, if anything, kept better.
@@ -180,24 +182,24 @@ class _ScreenedLeaf:
     n_left_out: int
     n_sampled: int
 
-    def best(self, labels: NDArray[np.bool_], at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
+    def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
         """Screen all questions and try the best."""
-        promising, n_questions = self._screened(labels, rng)
+        promising, n_questions = self._screened(target, rng)
         best: Candidate | None = None
         for expansion in promising:
             question = PreparedQuestion(self.arrivals.scenes, expansion, self.full[expansion.n_new])
-            best = _better(best, _tried(question, labels, at, self.settings.covagg, rng))
+            best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
         if best is None:
             return None
         if best.question.sequences.ratio > 1.0:
-            best = at.judged(best.question, best.volume, labels, exactly=True)
+            best = at.judged(best.question, best.volume, target, exactly=True)
         return best.among(n_questions * self.settings.attempts)
 
-    def _screened(self, labels: NDArray[np.bool_], rng: np.random.Generator) -> tuple[list[Expansion], int]:
+    def _screened(self, target: Target, rng: np.random.Generator) -> tuple[list[Expansion], int]:
         """Return the most promising expansions, and how many have points."""
         arrivals, plan = self.arrivals, self.plan
         present = np.unique(arrivals.sequences.scene)
-        drawn = stratified(present, labels, plan.n_scenes, rng)
+        drawn = stratified(present, target.strata, plan.n_scenes, rng)
         share = len(present) / max(len(drawn), 1)
         most = max((expansion.n_new for expansion in self.expansions), default=-1)
         few = arrivals.only(drawn).drawn(most, plan.max_points, rng)
@@ -210,22 +212,28 @@ class _ScreenedLeaf:
             n_questions += int(len(bags.points) > 0)
             if not bags.differ:
                 continue
-            own = labels[bags.scenes]
-            score = best_score(
-                bags.points,
-                bags.starts,
-                own,
-                rng=rng,
-                space=mapping.space,
-                objective="log-likelihood",
-                settings=plan.covagg,
-            )
-            if score == -np.inf:
+            views = target.views(bags.scenes)
+            gains = [share * self._gain(target, view, bags, mapping.space, rng) for view in views]
+            gain = max(gains, default=-np.inf)
+            if gain == -np.inf:
                 continue
-            gain = share * (score - _log_likelihood(own))
-            p_value = likelihood_ratio_p(gain, added_parameters(mapping, has_errors=False))
-            ranked.append((p_value, -gain, number))
+            n_parameters = added_parameters(mapping, has_errors=False, n_values=target.n_values)
+            ranked.append((likelihood_ratio_p(gain, n_parameters), -gain, number))
         return [self.expansions[number] for *_, number in sorted(ranked)[: plan.n_kept]], n_questions
+
+    def _gain(self, target: Target, view: View, bags: Bags, space: Space, rng: np.random.Generator) -> float:
+        """Return what the best volume found with little effort adds to the likelihood of the scenes drawn."""
+        score = best_score(
+            bags.points,
+            bags.starts,
+            view.labels,
+            rng=rng,
+            space=space,
+            objective=view.objective,
+            evidence=view.evidence,
+            settings=self.plan.covagg,
+        )
+        return -np.inf if score == -np.inf else target.gain(view, score, bags.scenes)
 
 
 SEARCHES: Final[MappingProxyType[SearchName, Search]] = MappingProxyType(
@@ -234,44 +242,44 @@ SEARCHES: Final[MappingProxyType[SearchName, Search]] = MappingProxyType(
 
 
 def stratified(
-    scenes: NDArray[np.int64], labels: NDArray[np.bool_], n: int, rng: np.random.Generator
+    scenes: NDArray[np.int64], strata: NDArray[np.int64], n: int, rng: np.random.Generator
 ) -> NDArray[np.int64]:
-    """Draw about n of some scenes, ascending, of either label in proportion, but at least one."""
+    """Draw about n of some scenes, ascending, the same number of each stratum as far as it has so many."""
     if len(scenes) <= n:
         return scenes
-    parts = []
-    for label in (False, True):
-        members = scenes[labels[scenes] == label]
-        size = min(len(members), max(1, round(n * len(members) / len(scenes))))
-        parts.append(rng.choice(members, size, replace=False))
+    members = [scenes[strata[scenes] == stratum] for stratum in np.unique(strata[scenes])]
+    members.sort(key=len)
+    parts, left = [], n
+    for i, own in enumerate(members):
+        size = min(len(own), max(left // (len(members) - i), 1))
+        parts.append(rng.choice(own, size, replace=False))
+        left -= size
     return np.sort(np.concatenate(parts))
-
-
-def _log_likelihood(labels: NDArray[np.bool_]) -> float:
-    """Log likelihood of labels under their own mean."""
-    n, positive = len(labels), int(np.count_nonzero(labels))
-    return float(xlogy(positive, positive / n) + xlogy(n - positive, (n - positive) / n))
 
 
 def _tried(
     question: PreparedQuestion,
-    labels: NDArray[np.bool_],
+    target: Target,
     at: OpenLeaf,
     settings: CovAggSettings,
     rng: np.random.Generator,
 ) -> Candidate | None:
-    """Aggregate the question's points once."""
-    bags, mapping = question.bags, question.expansion.mapping
-    found = aggregate(
-        bags.points,
-        bags.starts,
-        labels[bags.scenes],
-        rng=rng,
-        space=mapping.space,
-        objective="log-likelihood",
-        settings=settings,
-    )
-    return None if found is None else at.judged(question, found.volume, labels)
+    """Aggregate the question's points once for each view of the target, and return the best volume."""
+    bags, best = question.bags, None
+    for view in target.views(bags.scenes):
+        found = aggregate(
+            bags.points,
+            bags.starts,
+            view.labels,
+            rng=rng,
+            space=question.expansion.mapping.space,
+            objective=view.objective,
+            evidence=view.evidence,
+            settings=settings,
+        )
+        if found is not None:
+            best = _better(best, at.judged(question, found.volume, target))
+    return best
 
 
 def _better(best: Candidate | None, other: Candidate | None) -> Candidate | None:

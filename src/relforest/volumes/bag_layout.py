@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+_NONE: Final = np.empty((0, 2))
 
 
 class SlotMajor(NamedTuple):
@@ -22,21 +25,28 @@ class SlotMajor(NamedTuple):
     points: NDArray[np.float64]  # (d, n_points), instance j of bag i in column offsets[j] + i
     offsets: NDArray[np.int64]  # (n_slots + 1,), slot j ends where slot j + 1 begins
     weights: NDArray[np.int64]  # (n_bags,) 2**32 for positive bags, 1 for negative ones
+    evidence: NDArray[np.float64]  # (2, n_bags) see `aggregate`; (2, 0) if there is none
 
 
 def slot_major(
-    points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_]
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    evidence: NDArray[np.float64] = _NONE,
 ) -> tuple[SlotMajor, NDArray[np.int64]]:
     """Rearrange instances (n_points, d), grouped by bag from `starts` (n_bags + 1,).
 
     Returns the layout and its numbers of the positive bags, in the caller's order.
     """
-    return _layout(points, starts, labels)
+    return _layout(points, starts, labels, evidence)
 
 
 @kernel
 def _layout(
-    points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_]
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    evidence: NDArray[np.float64],
 ) -> tuple[SlotMajor, NDArray[np.int64]]:
     n_bags, n_slots = len(labels), 0
     for bag in range(n_bags):
@@ -53,6 +63,7 @@ def _layout(
     arranged = np.empty((points.shape[1], len(points)))
     weights = np.empty(n_bags, dtype=np.int64)
     positives = np.empty(np.count_nonzero(labels), dtype=np.int64)
+    own_evidence = np.empty((2, len(evidence)))
     next_place = sizes[1:].copy()
     n_positive = 0
     for bag in range(n_bags):
@@ -63,7 +74,9 @@ def _layout(
         if labels[bag]:
             positives[n_positive] = place
             n_positive += 1
+        for i in range(2 if len(evidence) > 0 else 0):
+            own_evidence[i, place] = evidence[bag, i]
         for slot in range(size):
             for i in range(points.shape[1]):
                 arranged[i, offsets[slot] + place] = points[starts[bag] + slot, i]
-    return SlotMajor(arranged, offsets, weights), positives
+    return SlotMajor(arranged, offsets, weights, own_evidence), positives

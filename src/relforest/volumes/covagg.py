@@ -15,7 +15,7 @@ from relforest.volumes.bag_layout import slot_major
 from relforest.volumes.conditioning import condition
 from relforest.volumes.ellipsoid import Ellipsoid
 from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
-from relforest.volumes.objectives import OBJECTIVES, Objective, entropy_table
+from relforest.volumes.objectives import OBJECTIVES, WEIGHTED, Objective, entropy_table
 from relforest.volumes.principal_axes import PrincipalAxes, principal_axes
 from relforest.volumes.settings import CovAggSettings
 from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
@@ -59,6 +59,7 @@ def aggregate(
     rng: np.random.Generator,
     space: Literal["euclidean", "circle"] = "euclidean",
     objective: Objective = "accuracy",
+    evidence: NDArray[np.float64] | None = None,
     settings: CovAggSettings = _DEFAULT,
 ) -> Aggregation | None:
     """Learn the decision volume that best separates positive from negative bags.
@@ -75,6 +76,10 @@ def aggregate(
         Random source for sampling bags.
     space, objective, settings
         The space of the points, the objective that scores a volume, and the parameters.
+    evidence : ndarray (n_bags, 2), optional
+        What each bag weighs as a negative and as a positive one ("weighted-log-likelihood"), or its weight,
+        and its weight times its value ("squared-error"). Required by these two, unused by the others. Bags
+        labelled positive are those that a volume is built from.
 
     Returns
     -------
@@ -101,7 +106,13 @@ def aggregate(
     circular = one_of("space", space, ("euclidean", "circle")) == "circle"
     one_of("objective", objective, tuple(OBJECTIVES))
     _check(points, starts, labels, circular=circular)
-    searched = _search(points, starts, labels, rng, circular=circular, objective=objective, settings=settings)
+    if (evidence is not None) != (OBJECTIVES[objective] >= WEIGHTED):
+        msg = f"objective {objective!r} {'needs' if evidence is None else 'takes no'} evidence"
+        raise InputError(msg)
+    if evidence is not None and not (evidence.shape == (len(labels), 2) and np.isfinite(evidence).all()):
+        msg = f"evidence must be two finite numbers for each of {len(labels)} bags, got {evidence.shape}"
+        raise InputError(msg)
+    searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
     if searched is None:
         return None
     found, prior, axes = searched
@@ -130,25 +141,26 @@ def best_score(
     rng: np.random.Generator,
     space: Literal["euclidean", "circle"],
     objective: Objective,
+    evidence: NDArray[np.float64] | None,
     settings: CovAggSettings,
 ) -> float:
     """Return the score that `aggregate` would reach, minus infinity for None, without checks or a volume."""
     circular = space == "circle"
-    searched = _search(points, starts, labels, rng, circular=circular, objective=objective, settings=settings)
+    searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
     return -np.inf if searched is None else float(searched[0].models.numbers[BEST, SCORE])
 
 
 def _search(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
-    labels: NDArray[np.bool_],
+    known: tuple[NDArray[np.bool_], NDArray[np.float64] | None],
     rng: np.random.Generator,
-    *,
-    circular: bool,
+    circular: bool,  # noqa: FBT001
     objective: Objective,
     settings: CovAggSettings,
 ) -> tuple[Found, NDArray[np.float64], PrincipalAxes | None] | None:
-    """Run the compiled loop; None without positive bags."""
+    """Run the compiled loop on bags with these labels and evidence; None without positive bags."""
+    labels, evidence = known
     n_positive = int(np.count_nonzero(labels))
     if n_positive == 0:
         return None
@@ -164,7 +176,10 @@ def _search(
     problem = Problem(code, OBJECTIVES[objective], prior, float(settings.max_condition), table, plan)
     most_sampled = min(settings.sampled, n_positive)
     draws = rng.random(min(settings.restarts, n_positive) * (1 + most_sampled * n_positive))
-    layout, positives = slot_major(points, starts, labels)
+    if evidence is None:
+        layout, positives = slot_major(points, starts, labels)
+    else:
+        layout, positives = slot_major(points, starts, labels, evidence)
     return aggregate_keys(layout, positives, problem, draws), prior, axes
 
 
