@@ -37,7 +37,7 @@ EPISODES = 500
 DISCOUNT = 0.9
 TRAINED = 500
 SEEDS = 5
-PASSES_PAIRS = 5
+PASSES_PAIRS = 3
 """Seeds at most for passes, where the exhaustive search takes a minute."""
 LEAST = 0.01
 """Probabilities are clipped to this and its complement before a likelihood is computed."""

@@ -133,6 +133,9 @@ class RPISettings:
         ModelFormatError
             If an option is missing, unknown or out of its range.
         """
+        if isinstance(document, Mapping) and isinstance(document.get("tree"), Mapping):
+            # Runs from before there were two searches used the exhaustive one.
+            document = {**document, "tree": {"search": "exhaustive", **document["tree"]}}
         return _read(cls, document)
 
 
