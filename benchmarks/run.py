@@ -11,6 +11,7 @@ import platform
 import bench_blocks
 import bench_compile
 import bench_covagg
+import bench_growth
 import bench_keepaway
 import bench_startup
 import bench_stream
@@ -29,6 +30,7 @@ def main() -> None:
         table.report()
     for table in bench_tree.run():
         table.report()
+    bench_growth.run().report()
     for table in bench_keepaway.run():
         table.report()
     bench_blocks.run().report()

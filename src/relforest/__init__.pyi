@@ -26,7 +26,7 @@ from .mil import CovAggClassifier
 from .rl import SMRFRPI
 from .scenes import Attribute, Scenes, Schema, iter_scene_batches
 from .support.progress import Stage, listening
-from .trees import SMRFTreeClassifier, Tree
+from .trees import SMRFTreeClassifier, SMRFTreeRegressor, Tree
 from .worlds import ENVIRONMENT_IDS
 
 __version__: str
@@ -42,6 +42,7 @@ __all__ = [
     "SMRFForestRegressor",
     "SMRFRuleSetClassifier",
     "SMRFTreeClassifier",
+    "SMRFTreeRegressor",
     "Scenes",
     "Schema",
     "Stage",

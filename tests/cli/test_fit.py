@@ -9,7 +9,6 @@ from pyarrow import parquet
 from cli.command_lines import COLUMNS, N_SCENES, CommandLine, passes, write
 from relforest.cli.model_file import read_model
 from relforest.scenes import Scenes
-from relforest.trees import growth
 
 
 def test_a_tree_is_learned_told_and_written(run: CommandLine, table: Path, tmp_path: Path) -> None:
@@ -73,13 +72,25 @@ def test_noise_gives_a_stub_and_says_so(run: CommandLine, tmp_path: Path) -> Non
     assert read_model(tmp_path / "tree.json").points == {}
 
 
-def test_questions_that_were_left_out_are_told(
-    run: CommandLine, table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("options", "remark"),
+    [
+        (("--search", "exhaustive"), "possible questions were skipped because each has more than 100 inst"),
+        ((), "possible questions were searched by a sample, because each has more than 100 instantiation"),
+        ((), None),
+    ],
+)
+def test_questions_with_too_many_sequences_are_told(
+    run: CommandLine, table: Path, tmp_path: Path, options: tuple[str, ...], remark: str | None
 ) -> None:
-    monkeypatch.setattr(growth, "prepare", lambda *_: ([], 3))
-    outcome = run("fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json")
+    most = () if remark is None else ("--max-points", 100)
+    outcome = run(
+        "fit", table, *COLUMNS, "--label", "completed", "--out", tmp_path / "tree.json", *options, *most
+    )
 
-    assert "3 possible questions were skipped because each has more than" in outcome.err
+    assert outcome.code == 0
+    assert remark is None or remark in outcome.err
+    assert ("possible questions" in outcome.err) == (remark is not None)
 
 
 def test_an_existing_model_is_replaced_only_on_demand(run: CommandLine, table: Path, tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ def test_every_option_of_smrf_rpi_changes_its_setting() -> None:
         lspi_iterations=9,
         question_test="permutation",
         question_alpha=0.001,
+        search="screened",
         permutations=999,
         attempts=2,
         max_points=70,
@@ -50,7 +51,9 @@ def test_every_option_of_smrf_rpi_changes_its_setting() -> None:
         max_scenes=50,
         max_samples=60,
         lspi=LSPISettings(max_iterations=9),
-        tree=TreeSettings(test="permutation", alpha=0.001, permutations=999, attempts=2, max_points=70),
+        tree=TreeSettings(
+            test="permutation", search="screened", alpha=0.001, permutations=999, attempts=2, max_points=70
+        ),
     )
 
 

@@ -257,11 +257,11 @@ def test_the_cheapest_rule_set_is_found() -> None:
         ([0] * 6, None, "2 classes are needed"),
         ([0.5, 1, 0, 1, 0, 1], None, "continuous"),
         ([0, 1, np.nan, 0, 1, 0], None, "NaN"),
-        ([0, 1, 0, 1, 0, 1], [1, 1, -1, 1, 1, 1], "weight of scene 2 is -1"),
-        ([0, 1, 0, 1, 0, 1], [1, 1, np.nan, 1, 1, 1], "weight of scene 2 is nan"),
+        ([0, 1, 0, 1, 0, 1], [1, 1, -1, 1, 1, 1], "weights must be finite"),
+        ([0, 1, 0, 1, 0, 1], [1, 1, np.nan, 1, 1, 1], "weights must be finite"),
         ([0, 1, 0, 1, 0, 1], [0] * 6, "all weights are 0"),
-        ([0, 1, 0, 1, 0, 1], [1, 0, 1, 0, 1, 0], "all scenes of class 1 have weight 0|np.int64"),
-        ([0, 1, 0, 1, 0, 1], [1], "sample_weight has the shape"),
+        ([0, 1, 0, 1, 0, 1], [1, 0, 1, 0, 1, 0], "all scenes of class 1 have weight 0"),
+        ([0, 1, 0, 1, 0, 1], [1], "got weights of shape"),
     ],
 )
 def test_bad_labels_and_weights_are_refused(model: Any, y: Any, weight: Any, message: str) -> None:
@@ -293,7 +293,7 @@ def test_bad_targets_are_refused(model: Any, y: Any, message: str) -> None:
         ({"n_trees": 0}, "n_trees must be an integer of at least 1"),
         ({"growth": {"max_leaves": 3}}, "growth must be GrowthSettings"),
         ({"random_state": -1}, "random_state must be"),
-        ({"class_weight": "uneven"}, "class_weight is not understood"),
+        ({"class_weight": "uneven"}, "class_weight must be"),
     ],
 )
 @pytest.mark.parametrize("model", CLASSIFIERS, ids=lambda model: type(model).__name__)

@@ -69,6 +69,13 @@ def test_malformed_settings_are_refused(changes: dict[str, Any]) -> None:
         RPISettings.from_dict(RPISettings().to_dict() | changes)
 
 
+def test_settings_from_before_there_were_two_searches_are_read() -> None:
+    document = RPISettings().to_dict()
+    del document["tree"]["search"]
+    assert RPISettings.from_dict(document) == RPISettings()
+    assert RPISettings().tree.search == "exhaustive"
+
+
 @pytest.mark.parametrize("document", [None, [], {}, "settings"])
 def test_other_things_are_no_settings(document: object) -> None:
     with pytest.raises(ModelFormatError, match="malformed RPISettings"):

@@ -27,7 +27,10 @@ def test_the_second_class_in_sorted_order_is_positive(classes: list[Any]) -> Non
     [
         ([1, 0], "got 2 labels for 3 bags: give one label for each"),
         ([1, 1, 1], "labels of 2 classes are needed, but 3 bags have only 1 class: 1"),
-        ([1.0, 0.0, float("nan")], "labels contain NaN or infinite values: give each of the bags one of two"),
+        (
+            [1.0, 0.0, float("nan")],
+            "values: give each of the bags one of the classes",
+        ),
         ([1.0, 0.0, float("inf")], "labels contain NaN or infinite values"),
         ([1, 2, 3], r"Only binary classification is supported.* 3 classes \(1, 2, 3"),
     ],

@@ -7,14 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from reference import leaves as twin
-from relforest.trees.probabilities import assign
+from relforest.trees.criterion import Target
 
 
 def check(presence: NDArray[np.bool_], labels: NDArray[np.bool_]) -> twin.Assignment:
     """Assert that both assignments agree and return the twin's."""
-    found, expected = assign(presence, labels), twin.assign(presence, labels)
-    np.testing.assert_allclose(found.probability, expected.probabilities, rtol=1e-14)
-    np.testing.assert_array_equal(found.counts, np.column_stack([expected.negatives, expected.positives]))
+    found, expected = Target.binary(labels).assign(presence), twin.assign(presence, labels)
+    np.testing.assert_allclose(found.value, expected.probabilities, rtol=1e-14)
+    np.testing.assert_array_equal(found.sums, np.column_stack([expected.negatives, expected.positives]))
     np.testing.assert_array_equal(found.winner, expected.winners)
     return expected
 
@@ -60,3 +60,41 @@ def test_the_first_leaf_wins_a_tie() -> None:
     found = check(presence, np.array([1, 0, 0, 0], dtype=np.bool_))
     assert found.winners.tolist() == [0, 0, 0, 0]
     assert found.probabilities[0] == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("kind", ["classes", "real"])
+@pytest.mark.parametrize("seed", range(10))
+def test_other_targets_at_random(kind: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n_leaves, n = int(rng.integers(1, 6)), int(rng.integers(4, 20))
+    presence = rng.random((n_leaves, n)) < 0.5
+    presence[rng.integers(n_leaves), ~presence.any(axis=0)] = True
+    weights = rng.uniform(0.5, 2, size=n)
+    if kind == "real":
+        target = Target.real(rng.normal(size=n), weights)
+    else:
+        target = Target.classes(rng.integers(0, 3, size=n), 3, weights)
+
+    def value(leaf_sums: NDArray[np.float64]) -> float:
+        if kind == "real":
+            return float(leaf_sums[1] / leaf_sums[0])
+        return float(np.delete(leaf_sums, target.common).max() / leaf_sums.sum())
+
+    undecided, bound, winner = np.ones(n, dtype=np.bool_), np.inf, np.full(n, -1)
+    values: dict[int, float] = {}
+    while len(values) < n_leaves:
+        here = {leaf: presence[leaf] & undecided for leaf in range(n_leaves) if leaf not in values}
+        open_leaves = {leaf: value(target.sums[own].sum(axis=0)) for leaf, own in here.items() if own.any()}
+        # Leaves without scenes come last, with the value of all scenes.
+        best = max(open_leaves or here, key=lambda leaf: open_leaves.get(leaf, 0.0))
+        values[best] = min(open_leaves.get(best, value(target.sums.sum(axis=0))), bound)
+        bound = values[best] - 1e-6 if kind == "real" else values[best] * (1 - 1e-6)
+        winner[here[best]] = best
+        undecided &= ~presence[best]
+    found = target.assign(presence)
+
+    np.testing.assert_array_equal(found.winner, winner)
+    np.testing.assert_allclose(found.value, [values[leaf] for leaf in range(n_leaves)], rtol=1e-9, atol=1e-12)
+    for leaf in range(n_leaves):
+        expected = target.sums[winner == leaf].sum(axis=0)
+        np.testing.assert_allclose(found.sums[leaf], expected, rtol=1e-9, atol=1e-12)

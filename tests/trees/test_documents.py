@@ -194,7 +194,7 @@ def set_at(*path: str | int, to: object) -> Callable[[Document], object]:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (set_at("version", to=2), "written by a newer relforest: relforest-tree version 2"),
+        (set_at("version", to=3), "written by a newer relforest: relforest-tree version 3"),
         (set_at("format", to="relforest-policy"), "its format is 'relforest-policy'"),
         (set_at("nodes", to=[]), "a tree needs at least one node"),
         (set_at("nodes", 0, "kind", to="forest"), "unknown node kind 'forest': expected leaf, instantiation"),
@@ -214,7 +214,7 @@ def set_at(*path: str | int, to: object) -> Callable[[Document], object]:
         (set_at("nodes", 2, "operation", to="reframe"), "needs 3 different bound variables"),
         (set_at("nodes", 2, "operation", to="exec"), "unknown operation 'exec'"),
         (set_at("nodes", 2, "attribute", to="speed"), "unknown attribute 'speed'"),
-        (set_at("nodes", 2, "attribute", to="orientation"), "not defined for angles"),
+        (set_at("nodes", 2, "attribute", to="orientation"), "not defined for kind 'angle'"),
         (set_at("nodes", 2, "volume", to=Arc(0.0, 1.0, 1.0).to_dict()), "needs an ellipsoid in 1 dimension"),
         (set_at("nodes", 3, "volume", to=ball([0.0], 1.0).to_dict()), "needs an arc in 1 dimension"),
         (set_at("nodes", 2, "volume", "radius", to=-1.0), "radius must be a number of at least 0"),

@@ -37,7 +37,7 @@ def learned() -> Tree:
     ]
     away = np.abs(matrix[starts, 2]) > 2
     labels = (np.array(gaps) < 2.5) | away
-    return SMRFTreeClassifier(random_state=7, attempts=1).fit(scenes, labels).tree_
+    return SMRFTreeClassifier(random_state=7, search="exhaustive", attempts=1).fit(scenes, labels).tree_
 
 
 def assert_close(found: Any, expected: Any, where: str = "tree") -> None:

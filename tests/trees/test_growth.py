@@ -277,14 +277,25 @@ def replace_schema(scenes: Scenes, schema: Schema) -> Scenes:
     return Scenes(*scenes.parts._replace(schema=schema))
 
 
-def test_expansions_left_out_are_counted() -> None:
+def test_expansions_left_out_or_sampled_are_counted() -> None:
     scenes, labels = heavy_scenes()
     n_points = int(scenes.counts.sum())
 
-    assert grown(scenes, labels, max_points=n_points).n_left_out == 0
-    limited = grown(scenes, labels, max_points=n_points - 1)
+    complete = grown(scenes, labels, max_points=n_points)
+    assert (complete.n_left_out, complete.n_sampled) == (0, 0)
+    limited = grown(scenes, labels, max_points=n_points - 1, search="exhaustive")
     assert limited.tree.is_stub
-    assert limited.n_left_out == 1
+    assert (limited.n_left_out, limited.n_sampled) == (1, 0)
+    sampled = grown(scenes, labels, max_points=n_points - 1)
+    assert not sampled.tree.is_stub
+    assert sampled.n_left_out == 0
+    assert sampled.n_sampled > 0
+    # Leaves count what arrives by all sequences.
+    for growth in (complete, sampled):
+        leaf = query(growth.tree, scenes).leaf
+        assert [each.negatives + each.positives for each in leaves_of(growth)] == [
+            np.count_nonzero(leaf == ordinal) for ordinal in range(growth.tree.n_leaves)
+        ]
 
 
 def test_the_order_of_objects_does_not_change_what_a_tree_says() -> None:
@@ -306,6 +317,7 @@ def test_the_order_of_objects_does_not_change_what_a_tree_says() -> None:
     ("options", "message"),
     [
         ({"test": "t"}, "test must be one of 'likelihood-ratio', 'permutation', got 't'"),
+        ({"search": "s"}, "search must be one of 'screened', 'exhaustive', got 's'"),
         ({"alpha": 0.0}, "alpha must be a number above 0 and below 1, got 0.0"),
         ({"alpha": 1.0}, "alpha must be a number above 0 and below 1, got 1.0"),
         ({"alpha": math.nan}, "alpha must be"),
@@ -364,10 +376,10 @@ def test_values_too_large_for_a_volume_are_refused() -> None:
 
 def test_growth_reports_its_questions_and_gives_the_same_tree() -> None:
     scenes, labels = heavy_scenes()
-    silent = grown(scenes, labels, test="permutation")
+    silent = grown(scenes, labels, test="permutation", search="exhaustive")
     heard: list[Stage] = []
     with listening(heard.append):
-        told = grown(scenes, labels, test="permutation")
+        told = grown(scenes, labels, test="permutation", search="exhaustive")
 
     assert told.tree.to_dict() == silent.tree.to_dict()
     assert Stage("expansions prepared", 0, None, ("question 1",)) in heard

@@ -4,42 +4,52 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from relforest.mappings import catalogue
-from relforest.trees import TreeSettings
-from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
+from relforest.trees import Leaf, Tree, TreeSettings
+from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf
+from relforest.trees.criterion import Target
 from relforest.trees.permutation import _shuffled, permutation_p
-from relforest.trees.probabilities import assign
+from relforest.trees.search import SEARCHES, LeafSearch
 from relforest.trees.sequences import Sequences, argument_places
 from small_trees import plane, scenes_in
+
+Booleans = NDArray[np.bool_]
 
 N = 24
 RNG_SEED = 3
 
 
-def problem() -> tuple[list[PreparedQuestion], np.ndarray[tuple[int], np.dtype[np.bool_]], Candidate]:
+SETTINGS = TreeSettings(attempts=1, search="exhaustive")
+
+
+def problem() -> tuple[LeafSearch, Booleans, Candidate]:
     """Half of the scenes hold an object near the origin; the best question finds it."""
     rng = np.random.default_rng(0)
     places = rng.uniform(3, 9, size=(N, 2, 2))
     places[: N // 2, 0] = rng.uniform(-1, 1, size=(N // 2, 2))
     scenes = scenes_in(plane(operations=("identity",)), places.tolist())
     labels = np.arange(N) < N // 2
-    mappings = catalogue(scenes.schema)
-    questions, _ = prepare(scenes, argument_places(scenes), Sequences.empty(N), mappings, 1000)
-    presence = np.ones((1, N), dtype=np.bool_)
-    root = OpenLeaf(0, presence, assign(presence, labels))
-    settings = TreeSettings(attempts=1)
-    found = best_candidate(questions, labels, root, settings, np.random.default_rng(RNG_SEED))
+    arrivals = Arrivals(scenes, argument_places(scenes), catalogue(scenes.schema), Sequences.empty(N))
+    search = SEARCHES[SETTINGS.search].at(arrivals, SETTINGS, np.random.default_rng(0))
+    found = search.best(Target.binary(labels), root(labels), np.random.default_rng(RNG_SEED))
     assert found is not None
-    return questions, labels, found
+    return search, labels, found
+
+
+def root(labels: Booleans) -> OpenLeaf:
+    presence = np.ones((1, N), dtype=np.bool_)
+    stub = Tree.stub(plane(operations=("identity",)), Leaf(0.0, 0, 0))
+    return OpenLeaf(stub, 0, presence, Target.binary(labels).assign(presence))
 
 
 def p_value(found: Candidate, *, permutations: int = 39, alpha: float = 0.05) -> float:
-    questions, labels, _ = problem()
-    presence = np.ones((1, N), dtype=np.bool_)
-    settings = TreeSettings(alpha=alpha, permutations=permutations, attempts=1)
-    root = OpenLeaf(0, presence, assign(presence, labels))
-    return permutation_p(found, questions, labels, root, settings, np.random.default_rng(0))
+    search, labels, _ = problem()
+    settings = replace(SETTINGS, alpha=alpha, permutations=permutations)
+    return permutation_p(
+        found, search, Target.binary(labels), root(labels), settings, np.random.default_rng(0)
+    )
 
 
 def test_what_no_shuffle_equals_has_the_smallest_p_value() -> None:
@@ -71,11 +81,9 @@ def test_what_every_shuffle_beats_is_given_up_early(permutations: int, alpha: fl
 
 def test_equally_good_shuffles_count_against_it() -> None:
     # As if the observed search had found just what a certain shuffle finds.
-    questions, labels, found = problem()
-    presence = np.ones((1, N), dtype=np.bool_)
-    shuffled = _shuffled(labels, np.zeros(N, dtype=np.int64), np.random.default_rng(0))
-    root = OpenLeaf(0, presence, assign(presence, shuffled))
-    null = best_candidate(questions, shuffled, root, TreeSettings(attempts=1), np.random.default_rng(0))
+    search, labels, found = problem()
+    shuffled = labels[_shuffled(np.zeros(N, dtype=np.int64), np.random.default_rng(0))]
+    null = search.best(Target.binary(shuffled), root(shuffled), np.random.default_rng(0))
     assert null is not None
     typical = replace(found, p_value=null.p_value, gain=null.gain)
 
@@ -87,12 +95,8 @@ def test_labels_are_shuffled_within_each_group() -> None:
     groups = np.array([0] * 8 + [5] * 8)
     seen = set()
     for seed in range(20):
-        shuffled = _shuffled(labels, groups, np.random.default_rng(seed))
+        shuffled = labels[_shuffled(groups, np.random.default_rng(seed))]
         assert shuffled[:8].sum() == 4
         assert shuffled[8:].sum() == 4
         seen.add(tuple(shuffled.tolist()))
     assert len(seen) > 15
-    # The original is left alone, and a group of one class stays as it is.
-    assert labels[:4].all()
-    alone = _shuffled(labels[:4], np.zeros(4, dtype=np.int64), np.random.default_rng(0))
-    assert alone.all()

@@ -10,13 +10,24 @@ from hypothesis import given
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
-from relforest.trees.probabilities import assign, potential
+from relforest.trees.criterion import Target
+from relforest.trees.probabilities import Assignment
 
 Booleans = NDArray[np.bool_]
 
 
 def booleans(*rows: object) -> Booleans:
     return np.array(rows, dtype=np.bool_)
+
+
+def assign(presence: Booleans, labels: Booleans) -> Assignment:
+    return Target.binary(labels).assign(presence)
+
+
+def potential(presence: Booleans, labels: Booleans, winner: NDArray[np.int64], leaf: int) -> float:
+    target = Target.binary(labels)
+    assert target.assign(presence).winner.tolist() == winner.tolist()
+    return target.potential(presence, target.assign(presence), leaf)
 
 
 OVERLAPPING = booleans([1, 1, 1, 0, 0], [0, 0, 1, 1, 1])
@@ -36,14 +47,14 @@ def test_likelihood_of_two_leaves() -> None:
 
     expected = 2 * math.log(2 / 3) + math.log(1 / 3) + 2 * math.log(1 / 2)
     assert found.log_likelihood == pytest.approx(expected)
-    assert found.counts.tolist() == [[1, 2], [1, 1]]
+    assert found.sums.tolist() == [[1, 2], [1, 1]]
 
 
 def test_a_perfect_tree_has_likelihood_one() -> None:
     found = assign(booleans([1, 1, 0], [0, 0, 1]), booleans([1, 1, 0])[0])
 
     assert found.log_likelihood == pytest.approx(0, abs=1e-10)
-    assert found.probability.tolist() == [1, 0]
+    assert found.value.tolist() == [1, 0]
 
 
 def test_the_cap_costs_likelihood() -> None:
@@ -52,7 +63,7 @@ def test_the_cap_costs_likelihood() -> None:
     found = assign(presence, booleans([1, 1, 0, 1, 0, 1])[0])
     bound = 3 / 5 * (1 - 1e-6)
 
-    assert found.probability[1] == pytest.approx(bound, rel=1e-12)
+    assert found.value[1] == pytest.approx(bound, rel=1e-12)
     expected = 3 * math.log(3 / 5) + 2 * math.log(2 / 5) + math.log(bound)
     assert found.log_likelihood == pytest.approx(expected)
 
@@ -61,14 +72,14 @@ def test_empty_leaves_get_the_base_rate_one_below_the_other() -> None:
     found = assign(booleans([1, 1, 1, 1], [0, 0, 0, 0], [0, 0, 0, 0]), booleans([1, 0, 0, 0])[0])
 
     bounds = [0.25, 0.25 * (1 - 1e-6), 0.25 * (1 - 1e-6) ** 2]
-    assert found.probability.tolist() == pytest.approx(bounds, rel=1e-12)
-    assert found.counts.tolist() == [[3, 1], [0, 0], [0, 0]]
+    assert found.value.tolist() == pytest.approx(bounds, rel=1e-12)
+    assert found.sums.tolist() == [[3, 1], [0, 0], [0, 0]]
 
 
 def test_an_empty_leaf_is_below_a_leaf_of_probability_zero() -> None:
     found = assign(booleans([1, 0], [0, 1], [0, 0]), booleans([1, 0])[0])
 
-    assert found.probability.tolist() == [1, 0, 0]
+    assert found.value.tolist() == [1, 0, 0]
 
 
 def test_potential_of_a_stub_is_a_perfect_separation() -> None:
@@ -104,13 +115,13 @@ def test_the_most_probable_leaf_of_a_scene_is_the_one_that_won_it(
     presence[0] |= ~presence.any(axis=0)
     found = assign(presence, labels)
 
-    assert ((found.probability >= 0) & (found.probability <= 1)).all()
-    assert found.counts.sum() == 9
-    assert found.counts[:, 1].sum() == labels.sum()
+    assert ((found.value >= 0) & (found.value <= 1)).all()
+    assert found.sums.sum() == 9
+    assert found.sums[:, 1].sum() == labels.sum()
     assert found.log_likelihood <= 1e-9
     for scene in range(9):
         # As inference decides: the highest probability, the first leaf among equals.
-        there = np.where(presence[:, scene], found.probability, -1.0)
+        there = np.where(presence[:, scene], found.value, -1.0)
         assert int(there.argmax()) == found.winner[scene]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -117,7 +119,7 @@ def test_extending_keeps_every_scene_and_counts_right(scenes: Scenes) -> None:
     places = argument_places(scenes)
     sequences = Sequences.empty(len(scenes))
     for depth in range(3):
-        expected = n_extensions(sequences.scene, sequences.objects, scenes.counts, places)
+        expected = n_extensions(sequences.scene, sequences.objects, scenes.counts, places, 1)
         sequences = sequences.extended(scenes.counts, places)
         assert len(sequences) == expected
         assert sequences.depth == depth + 1
@@ -153,3 +155,36 @@ def test_scenes_without_any_object(n_scenes: int) -> None:
     sequences = Sequences.empty(n_scenes).extended(scenes.counts, none(n_scenes))
 
     assert rows_of(scenes, sequences).tolist() == [[-1]] * n_scenes
+
+
+@given(scenes_batches(max_objects=5), st.integers(1, 40), st.data())
+def test_drawn_sequences_are_some_of_all(scenes: Scenes, most: int, data: st.DataObject) -> None:
+    places = argument_places(scenes)
+    rng = np.random.default_rng(data.draw(st.integers(0, 9)))
+    sequences = Sequences.empty(len(scenes))
+    for _ in range(data.draw(st.integers(0, 3))):
+        sequences = sequences.extended(scenes.counts, places)
+    complete, drawn = (
+        sequences.extended(scenes.counts, places),
+        sequences.drawn(scenes.counts, places, most, rng),
+    )
+
+    assert len(drawn) <= max(most, len(scenes))
+    assert set(pairs(drawn)) <= set(pairs(complete))
+    assert set(drawn.scene.tolist()) == set(complete.scene.tolist())
+    assert pairs(drawn) == sorted(pairs(drawn))
+    assert drawn.ratio == len(complete) / len(drawn)
+
+
+def test_every_sequence_is_equally_likely_to_be_drawn() -> None:
+    # Ten scenes of 4 objects, of which 5 of 12 pairs each are drawn.
+    scenes = scenes_in(plane(), [[(0.0, float(i)) for i in range(4)]] * 10)
+    places, rng = argument_places(scenes), np.random.default_rng(0)
+    single = Sequences.empty(10).extended(scenes.counts, places)
+    counts: Counter[tuple[int, ...]] = Counter()
+    for _ in range(200):
+        counts.update(tuple(pair) for pair in single.drawn(scenes.counts, places, 50, rng).objects.tolist())
+
+    assert len(counts) == 12
+    expected = 2000 * 5 / 12
+    assert all(abs(count - expected) < 4 * np.sqrt(expected) for count in counts.values())

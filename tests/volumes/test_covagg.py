@@ -472,7 +472,16 @@ def test_bad_bags_are_refused(points: Floats, starts: list[int], labels: list[bo
     ("options", "message"),
     [
         ({"space": "sphere"}, "space must be one of 'euclidean', 'circle', got 'sphere'"),
-        ({"objective": "auc"}, "objective must be one of 'accuracy', 'log-likelihood', got 'auc'"),
+        (
+            {"objective": "auc"},
+            "objective must be one of 'accuracy', 'log-likelihood', 'weighted-log-likelihood', 'squared-err",
+        ),
+        ({"objective": "squared-error"}, "objective 'squared-error' needs evidence"),
+        ({"evidence": np.ones((1, 2))}, "objective 'accuracy' takes no evidence"),
+        (
+            {"objective": "squared-error", "evidence": np.ones((3, 1))},
+            "evidence must be two finite numbers for each of",
+        ),
         ({"space": "circle"}, "points on the circle are angles, one column, got 2 columns"),
     ],
 )

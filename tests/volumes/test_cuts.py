@@ -11,8 +11,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from relforest.volumes.cuts import best_cut, new_buckets, radius_at
-from relforest.volumes.objectives import ACCURACY, LOG_LIKELIHOOD, entropy_table
+from relforest.volumes.cuts import best_cut, best_weighted_cut, new_buckets, radius_at
+from relforest.volumes.objectives import (
+    ACCURACY,
+    LOG_LIKELIHOOD,
+    SQUARED_ERROR,
+    WEIGHTED,
+    entropy_table,
+    score_sums,
+)
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -146,3 +153,27 @@ def test_the_radius_lies_midway_to_the_next_witness() -> None:
     # Nothing beyond: a hair more than the last distance.
     assert radius_at(16.0, squared) == pytest.approx(4, rel=2e-9)
     assert radius_at(16.0, squared) > 4
+
+
+@pytest.mark.parametrize("objective", [WEIGHTED, SQUARED_ERROR])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_best_weighted_cut_is_the_best_of_all(objective: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    squared = rng.integers(0, 8, size=12).astype(np.float64)
+    evidence = rng.uniform(0.1, 1, size=(2, 12))
+    if objective == SQUARED_ERROR:
+        evidence[1] *= rng.normal(size=12)
+    totals = (evidence[0].sum(), evidence[1].sum())
+    scores = {}
+    for edge in np.unique(squared):
+        inside = evidence[:, squared <= edge].sum(axis=1)
+        scores[edge] = score_sums(objective, (inside[0], inside[1]), totals)
+    expected = max(list(scores)[:-1], key=lambda edge: scores[edge])
+
+    found, edge = best_weighted_cut(squared, evidence, objective, -np.inf)
+    if scores[expected] == -np.inf:
+        assert (found, edge) == (-np.inf, -np.inf)
+    else:
+        assert found == pytest.approx(scores[expected])
+        assert edge == expected
+        assert best_weighted_cut(squared, evidence, objective, found + 1e-6) == (-np.inf, -np.inf)

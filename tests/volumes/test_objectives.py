@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from relforest.volumes.objectives import ACCURACY, LOG_LIKELIHOOD, entropy_table, score_counts
+from relforest.volumes.objectives import (
+    ACCURACY,
+    LOG_LIKELIHOOD,
+    SQUARED_ERROR,
+    WEIGHTED,
+    entropy_table,
+    score_counts,
+    score_sums,
+)
 
 
 def score(objective: int, inside: tuple[int, int], totals: tuple[int, int]) -> float:
@@ -70,3 +78,24 @@ def test_scores_rise_with_positives_and_fall_with_negatives_inside(objective: in
             assert scores[more] > scores[positive, negative]
         if negative > 0 and positive > 0:
             assert scores[positive, negative - 1] > scores[positive, negative]
+
+
+def test_weighted_log_likelihood_by_hand() -> None:
+    # Inside weigh 1.5 positive and .5 negative, outside 1 and 3.
+    expected = 1.5 * math.log(3 / 4) + 0.5 * math.log(1 / 4) + math.log(1 / 4) + 3 * math.log(3 / 4)
+
+    assert score_sums(WEIGHTED, (0.5, 1.5), (3.5, 2.5)) == pytest.approx(expected)
+    # Whole weights are counts.
+    assert score_sums(WEIGHTED, (1.0, 3.0), (5.0, 4.0)) == pytest.approx(
+        score(LOG_LIKELIHOOD, (3, 1), (4, 5))
+    )
+    # The Yes leaf must be the more probable one, and neither leaf empty.
+    for inside in ((3.0, 1.0), (0.0, 0.0), (3.5, 2.5)):
+        assert score_sums(WEIGHTED, inside, (3.5, 2.5)) == -math.inf
+
+
+def test_squared_error_by_hand() -> None:
+    # Two of mean 3 inside, three of mean -1 outside.
+    assert score_sums(SQUARED_ERROR, (2.0, 6.0), (5.0, 3.0)) == pytest.approx(2 * 9 + 3 * 1)
+    for inside in ((3.0, -3.0), (0.0, 0.0), (5.0, 3.0)):
+        assert score_sums(SQUARED_ERROR, inside, (5.0, 3.0)) == -math.inf

@@ -51,6 +51,10 @@ def test_the_layout_holds_the_same_bags_largest_first(bags: BagSet) -> None:
     assert (made.weights == np.where(bags.labels[order], 2**32, 1)).all()
     # Positive bags by their new numbers, in the caller's order.
     assert order[positives].tolist() == np.flatnonzero(bags.labels).tolist()
+    assert made.evidence.shape == (2, 0)
+    evidence = np.arange(2.0 * len(order)).reshape(-1, 2)
+    weighed, _ = slot_major(bags.points, bags.starts, bags.labels, evidence)
+    np.testing.assert_array_equal(weighed.evidence, evidence[order].T)
 
 
 def random_bags(rng: np.random.Generator, dim: int, n_bags: int) -> BagSet:

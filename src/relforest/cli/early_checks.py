@@ -26,6 +26,7 @@ _LEAST: Final = MappingProxyType(
         "runs": 1,
         "seed": 0,
         "test_episodes": 1,
+        "trees": 1,
     }
 )
 """The smallest value of each option that is an integer, in whatever command."""

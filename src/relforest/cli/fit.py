@@ -1,13 +1,13 @@
-"""``relforest fit``: a tree from a table."""
+"""``relforest fit``: a model from a table."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, cast, final
 
 from tyro.conf import Positional, UseAppendAction, arg
 
@@ -20,18 +20,24 @@ if TYPE_CHECKING:
 
     from relforest.cli.columns import Columns, SceneTable
     from relforest.cli.model_file import Label
+    from relforest.forests import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
     from relforest.trees import SMRFTreeClassifier
 
+    Learner = SMRFTreeClassifier | SMRFBoostingClassifier | SMRFForestClassifier | SMRFRuleSetClassifier
+
+_OF_TREES: Final = ("test", "search", "alpha", "attempts", "permutations", "max_points")
+_OF_ENSEMBLES: Final = ("trees", "objects")
+_ENSEMBLES: Final = ("boosting", "forest", "rules")
 _REMEDY: Final = "name its columns, such as --scene pass --object player --attribute location=x,y"
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FitOptions:
-    r"""Learn a tree from a table of labelled scenes, print it in words, and write it to a model file.
+    r"""Learn a model from a table of labelled scenes, print it in words, and write it to a model file.
 
     The table is long: one row per object, with columns for the ids of the scene and of the object. The label
-    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings. The tree
+    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings. The model
     describes what exists in scenes of the positive class, which is the label that sorts last unless
     --positive names the other one. Empty cells are undefined attributes. Ids are kept as written: 007 and 7
     are different.
@@ -41,6 +47,7 @@ class FitOptions:
           --attribute location=x,y --attribute orientation=theta:angle \
           --arguments passer,receiver --label completed --out tree.json
       relforest fit scenes.parquet --label completed --out tree.json
+      relforest fit scenes.parquet --label completed --model rules --out rules.json
 
     The second form is for files written by Scenes.to_parquet, with a label column added.
 
@@ -50,19 +57,23 @@ class FitOptions:
         Parquet or CSV file, or a folder of Parquet files. A CSV file may be compressed (.csv.gz).
     label
         Column of labels.
+    model
+        What to learn: a tree with tests of significance; boosting, a sum of small trees, the most accurate
+        on hundreds of scenes; a forest, the mean of larger trees; or rules, of which one must hold: the
+        shortest description, and the most accurate on a few dozen scenes.
     positive
-        The label that the tree explains, written as in the table; for example False to find the causes of
+        The label that the model explains, written as in the table; for example False to find the causes of
         failures.
     out
-        Model file to write (JSON). Besides the tree it stores the names of the columns and, for the drawings
-        of relforest show, up to 150 training points of each class per question.
+        Model file to write (JSON). Besides what was learned it stores the names of the columns and, for the
+        drawings of trees by relforest show, up to 150 training points of each class per question.
     scene
         Column of scene ids.
     object
         Column of object ids. By default, objects are numbered within their scene.
     attribute
         An attribute of the objects and its columns, one per component. Append ":angle" for an angle in
-        radians; this is the default for the name "orientation".
+        radians; this is the default for the name "orientation". Append ":category" for names, such as a team.
     arguments
         Columns with the id of the object bound to each argument of the action, the same in all rows of a
         scene.
@@ -72,21 +83,31 @@ class FitOptions:
         Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
     encoding
         Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
+    trees
+        Trees of a forest (100 by default), or of boosting (200), from which rules are chosen too.
+    objects
+        Most objects that a question of these models asks for besides the arguments: 0, 1 or 2. The default is
+        1 for scenes with arguments, 2 for others.
     test
-        Significance test for questions. The likelihood ratio test is fast, but accepts questions on noise
-        more often than alpha; the permutation test keeps its level and takes longer.
+        Significance test for the questions of a tree, to which the following options belong as well. The
+        likelihood ratio test is fast, but accepts questions on noise more often than alpha; the permutation
+        test keeps its level and takes longer.
+    search
+        How the best question is found: the exhaustive search tries all possible questions on all scenes; the
+        screened search tries them on a few scenes and then the best on all, which is about ten times faster.
     alpha
         Significance level.
     attempts
-        Tries for each possible question.
+        Tries for each possible question in the exhaustive search.
     permutations
         Shuffles of the permutation test.
     max_points
-        Expansions with more instantiation sequences than this are skipped, and their number is reported.
+        Of questions with more instantiation sequences than this, the screened search sees a sample; the
+        exhaustive search skips them. Their number is reported.
     seed
-        The same seed gives the same tree.
+        The same seed gives the same model.
     jobs
-        Threads for the predictions, -1 = one per core; the result does not depend on it.
+        Threads for predictions and forests, -1 = one per core; the result does not depend on it.
     force
         Replace the model file if it exists.
     """
@@ -102,7 +123,11 @@ class FitOptions:
     decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
+    model: Literal["tree", "boosting", "forest", "rules"] = "tree"
+    trees: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
+    objects: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     test: Literal["likelihood-ratio", "permutation"] = "likelihood-ratio"
+    search: Literal["screened", "exhaustive"] = "screened"
     alpha: float = 0.05
     attempts: int = 3
     permutations: int = 99
@@ -113,7 +138,7 @@ class FitOptions:
 
 
 def fit(options: FitOptions) -> int:
-    """Learn a tree with the given options; the exit code is 0."""
+    """Learn a model with the given options; the exit code is 0."""
     from relforest.cli.columns import read_labels, read_scenes
     from relforest.cli.model_file import Model, write_model
     from relforest.metrics import peirce_skill_score
@@ -133,27 +158,54 @@ def fit(options: FitOptions) -> int:
     labels = read_labels(source, options.label)
     classes = _classes(labels, options)
     positive = labels == classes[1]
-    classifier = SMRFTreeClassifier(
-        test=options.test,
-        alpha=options.alpha,
-        attempts=options.attempts,
-        permutations=options.permutations,
-        max_points=options.max_points,
-        random_state=options.seed,
-        n_jobs=options.jobs,
-    )
+    learner = _learner(options)
     with working(f"learning from {len(source.scenes)} scenes"):
-        classifier.fit(source.scenes, positive)
-    points = question_points(classifier.tree_, source.scenes, positive)
-    model = Model(classifier.tree_, "tree", options.label, classes, source.columns, points)
-    score = peirce_skill_score(positive, classifier.predict(source.scenes))
+        learner.fit(source.scenes, positive)
+    points = {}
+    if isinstance(learner, SMRFTreeClassifier):
+        points = question_points(learner.tree_, source.scenes, positive)
+    learned = learner.tree_ if isinstance(learner, SMRFTreeClassifier) else learner.ensemble_
+    model = Model(learned, options.model, options.label, classes, source.columns, points)
+    score = peirce_skill_score(positive, learner.predict(source.scenes))
     print(model.text)
     print()
     print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
     print(f"Peirce skill score on the training scenes: {score:.3f}")
     write_model(options.out, model)
-    _comment(options, source, classifier)
+    _comment(options, source, learner)
     return 0
+
+
+def _learner(options: FitOptions) -> Learner:
+    """Return the estimator to fit.
+
+    Raises
+    ------
+    InputError
+        If an option belongs to another kind of model.
+    """
+    from relforest import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
+    from relforest.forests import GrowthSettings
+    from relforest.forests.forest_estimators import FOREST_GROWTH
+    from relforest.trees import SMRFTreeClassifier
+
+    given = {field.name for field in fields(options) if getattr(options, field.name) != field.default}
+    foreign = given & set(_OF_ENSEMBLES if options.model == "tree" else _OF_TREES)
+    if foreign:
+        name = min(foreign).replace("_", "-")
+        kinds = ", ".join(_ENSEMBLES) if options.model == "tree" else "tree"
+        raise InputError(f"--{name} is an option of --model {kinds}, not of {options.model}")
+    seed, jobs = options.seed, options.jobs
+    if options.model == "tree":
+        chosen = {name: getattr(options, name) for name in _OF_TREES}
+        return SMRFTreeClassifier(**chosen, random_state=seed, n_jobs=jobs)
+    if options.model == "forest":
+        growth = replace(FOREST_GROWTH, max_free=options.objects)
+        n_trees = options.trees or 100
+        return SMRFForestClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
+    growth = GrowthSettings(max_free=options.objects)
+    of_boosting = SMRFRuleSetClassifier if options.model == "rules" else SMRFBoostingClassifier
+    return of_boosting(n_trees=options.trees or 200, growth=growth, random_state=seed, n_jobs=jobs)
 
 
 def _classes(labels: NDArray[Any], options: FitOptions) -> tuple[Label, Label]:
@@ -190,15 +242,31 @@ def _columns(options: FitOptions) -> Columns | None:
     return Columns(options.scene, options.object, attributes, arguments)
 
 
-def _comment(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
+def _comment(options: FitOptions, source: SceneTable, learner: Learner) -> None:
+    if options.model == "tree":
+        _comment_tree(options, source, cast("SMRFTreeClassifier", learner))
+    elif learner.n_sampled_:
+        note(
+            f"in {learner.n_sampled_} scenes a sample of the possible pairs of objects was searched, because "
+            "there are too many"
+        )
+    note(f"wrote {options.out}")
+
+
+def _comment_tree(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
     if classifier.tree_.is_stub:
         note(
             f"no question was significant at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so "
             "the tree is a single leaf"
         )
+    if classifier.n_sampled_:
+        note(
+            f"{classifier.n_sampled_} possible questions were searched by a sample, because each has more "
+            f"than {classifier.max_points} instantiation sequences"
+        )
     if classifier.n_left_out_:
+        much = "" if options.search == "exhaustive" else "100 times "
         note(
             f"{classifier.n_left_out_} possible questions were skipped because each has more than "
-            f"{classifier.max_points} instantiation sequences: raise --max-points to include them"
+            f"{much}{classifier.max_points} instantiation sequences: raise --max-points to include them"
         )
-    note(f"wrote {options.out}")

@@ -13,6 +13,7 @@ from relforest.cli.early_checks import naming_options
 from relforest.rl.peers.settings import SarsaSettings
 from relforest.rl.settings import FeatureMode, RPISettings
 from relforest.support.options import in_range
+from relforest.trees.search import SearchName
 from relforest.trees.settings import Test
 
 
@@ -58,12 +59,14 @@ class RPIOptions:
         Test that a question of a tree must pass.
     question_alpha
         Significance level of the question test.
+    search
+        How the best question of a tree is found: exhaustively as in the source, or about ten times faster.
     permutations
         Shuffles per permutation test.
     attempts
         Tries for each possible question.
     max_points
-        Possible questions with more instantiation sequences are left out.
+        Possible questions with more instantiation sequences are left out or, if screened, sampled.
     """
 
     features: Annotated[FeatureMode | None, _default(_RPI.features, "{densities+bits,bits,probability}")] = (
@@ -80,6 +83,7 @@ class RPIOptions:
     lspi_iterations: Annotated[int | None, _default(_RPI.lspi.max_iterations)] = None
     question_test: Annotated[Test | None, _default(_TREE.test, "{likelihood-ratio,permutation}")] = None
     question_alpha: Annotated[float | None, _default(_TREE.alpha)] = None
+    search: Annotated[SearchName | None, _default(_TREE.search, "{screened,exhaustive}")] = None
     permutations: Annotated[int | None, _default(_TREE.permutations)] = None
     attempts: Annotated[int | None, _default(_TREE.attempts)] = None
     max_points: Annotated[int | None, _default(_TREE.max_points)] = None
@@ -120,6 +124,7 @@ _PLACES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
         "max_samples": ("", "max_samples"),
         "lspi_iterations": ("lspi", "max_iterations"),
         "permutations": ("tree", "permutations"),
+        "search": ("tree", "search"),
         "attempts": ("tree", "attempts"),
         "max_points": ("tree", "max_points"),
         "question_alpha": ("tree", "alpha"),

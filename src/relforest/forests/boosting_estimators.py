@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
+    from relforest.trees.weights import ClassWeight
 
 
 class _Boosting(SceneEstimator, ABC):
@@ -135,7 +136,7 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
-        class_weight: object = None,
+        class_weight: ClassWeight = None,
     ) -> None:
         super().__init__(
             n_trees=n_trees,

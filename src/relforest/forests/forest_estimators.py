@@ -24,9 +24,10 @@ if TYPE_CHECKING:
 
     from relforest.forests.tables import ConditionTable
     from relforest.scenes import Scenes
+    from relforest.trees.weights import ClassWeight
 
 _TABLES, _TREES = range(2)
-_DEFAULT: Final = GrowthSettings(max_leaves=30, share=0.25, min_scenes=2, penalty=0.5)
+FOREST_GROWTH: Final = GrowthSettings(max_leaves=30, share=0.25, min_scenes=2, penalty=0.5)
 
 
 class _Forest(SceneEstimator, ABC):
@@ -52,7 +53,7 @@ class _Forest(SceneEstimator, ABC):
     def _settings(self) -> GrowthSettings:
         at_least("n_trees", self.n_trees, 1)
         in_range("max_samples", self.max_samples, 0.0, 1.0, open_low=True)
-        return growth_settings(self.growth, _DEFAULT)
+        return growth_settings(self.growth, FOREST_GROWTH)
 
     def _grow(
         self, scenes: Scenes, wanted: NDArray[np.float64], weights: NDArray[np.float64]
@@ -145,7 +146,7 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
-        class_weight: object = None,
+        class_weight: ClassWeight = None,
     ) -> None:
         super().__init__(
             n_trees=n_trees,

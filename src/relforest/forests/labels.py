@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from sklearn.utils.class_weight import compute_sample_weight
 
 from relforest.scenes import Scenes
-from relforest.scenes.labels import labels_of_classes
+from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked
+from relforest.trees.weights import ClassWeight, class_weights, scene_weights
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -46,28 +46,26 @@ def checked_scenes(scenes: object) -> Scenes:
 
 
 def class_targets(
-    y: ArrayLike, n: int, sample_weight: ArrayLike | None, class_weight: object
+    y: ArrayLike, n: int, sample_weight: ArrayLike | None, class_weight: ClassWeight
 ) -> ClassTargets:
     """Check labels and weights.
 
     Raises
     ------
     InputError
-        If the labels are not of at least two classes, or a class has no weight; see `weights_of` as well.
+        If the labels are not of at least two classes, or a class has no weight; see `scene_weights` as well.
     """
-    classes, numbers = labels_of_classes(y, n, what="scenes")
-    weights = weights_of(sample_weight, n)
-    if class_weight is not None:
-        try:
-            weights = weights * compute_sample_weight(class_weight, classes[numbers])
-        except (ValueError, TypeError) as error:
-            raise InputError(f"class_weight is not understood: {error}") from error
-        weights = weights_of(weights, n)
+    classes, numbers = class_labels(y, n, what="scenes")
+    given = scene_weights(sample_weight, n)
+    of_classes = class_weights(class_weight, classes, numbers, given)
+    weights = np.ones(n) if given is None else given
+    if of_classes is not None:
+        weights = weights * of_classes[numbers]
     totals = np.bincount(numbers, weights, len(classes))
     if not (totals > 0).all():
-        lost = classes[np.flatnonzero(totals <= 0)[0]]
+        lost = classes.tolist()[int(np.flatnonzero(totals <= 0)[0])]
         raise InputError(f"all scenes of class {lost!r} have weight 0: give at least one a positive weight")
-    return ClassTargets(classes, numbers, weights)
+    return ClassTargets(classes, numbers, weights / weights.mean())
 
 
 def real_targets(y: ArrayLike, n: int) -> NDArray[np.float64]:
@@ -96,28 +94,6 @@ def real_targets(y: ArrayLike, n: int) -> NDArray[np.float64]:
 
 
 def weights_of(sample_weight: ArrayLike | None, n: int) -> NDArray[np.float64]:
-    """Return the weights of scenes, scaled to a mean of 1; all 1 by default.
-
-    Raises
-    ------
-    InputError
-        If their number is wrong, one is negative, NaN or infinite, or all are 0.
-    """
-    if sample_weight is None:
-        return np.ones(n)
-    refuse_masked(sample_weight, "sample_weight")
-    try:
-        weights = np.asarray(sample_weight, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"sample_weight must be numbers: {error}") from error
-    if weights.shape != (n,):
-        raise InputError(f"sample_weight has the shape {weights.shape}, but there are {n} scenes")
-    wrong = np.flatnonzero(~(np.isfinite(weights) & (weights >= 0.0)))
-    if wrong.size:
-        raise InputError(
-            f"the weight of scene {wrong[0]} is {weights[wrong[0]]}: weights are finite and not negative"
-        )
-    total = weights.sum()
-    if not total > 0.0:
-        raise InputError("all weights are 0: give at least one scene a positive weight")
-    return np.asarray(weights * (n / total))
+    """Return the weights of scenes, scaled to a mean of 1; see `scene_weights`."""
+    weights = scene_weights(sample_weight, n)
+    return np.ones(n) if weights is None else weights / weights.mean()

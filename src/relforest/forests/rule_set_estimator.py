@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
+    from relforest.trees.weights import ClassWeight
 
 
 @final
@@ -84,7 +85,7 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
-        class_weight: object = None,
+        class_weight: ClassWeight = None,
     ) -> None:
         self.rules = rules
         self.averaged = averaged

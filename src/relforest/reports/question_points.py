@@ -115,7 +115,7 @@ def _points(node: Question, scenes: Scenes, sequences: Sequences) -> NDArray[np.
 
 
 def _extended(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64]) -> Sequences:
-    arriving = n_extensions(sequences.scene, sequences.objects, scenes.counts, places)
+    arriving = n_extensions(sequences.scene, sequences.objects, scenes.counts, places, 1)
     if arriving > MOST_SEQUENCES:
         kept = np.zeros(len(sequences), dtype=np.bool_)
         share = max(int(len(sequences) * MOST_SEQUENCES / arriving), 1)

@@ -80,6 +80,7 @@ class RPISettings:
         learned with the highest significance, to show the benefit of the test (section 7.3.2).
     lspi : LSPISettings
     tree : TreeSettings
+        How trees are learned; by default with the exhaustive search, as published.
 
     Raises
     ------
@@ -97,7 +98,7 @@ class RPISettings:
     bootstrap_on_truncation: bool = True
     wrapper: bool = True
     lspi: LSPISettings = field(default_factory=LSPISettings)
-    tree: TreeSettings = field(default_factory=TreeSettings)
+    tree: TreeSettings = field(default_factory=lambda: TreeSettings(search="exhaustive"))
 
     def __post_init__(self) -> None:
         one_of("features", self.features, FEATURE_MODES)
@@ -132,6 +133,9 @@ class RPISettings:
         ModelFormatError
             If an option is missing, unknown or out of its range.
         """
+        if isinstance(document, Mapping) and isinstance(document.get("tree"), Mapping):
+            # Runs from before there were two searches used the exhaustive one.
+            document = {**document, "tree": {"search": "exhaustive", **document["tree"]}}
         return _read(cls, document)
 
 

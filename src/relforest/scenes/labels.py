@@ -1,4 +1,4 @@
-"""Labels as classifiers accept them."""
+"""Binary labels as classifiers accept them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
         If the number of labels is wrong, a label is missing, masked, NaN or infinite, or there are not
         exactly two classes. Messages use scikit-learn's wording where possible.
     """
-    labels = _checked(y, n_expected, what)
+    labels = _checked_labels(y, n_expected, what=what)
     classes = np.unique(labels)
     if len(classes) > 2:
         listed = ", ".join(map(str, classes[:5]))
@@ -71,32 +71,45 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
     return BinaryLabels(classes, labels == classes[1])
 
 
-def labels_of_classes(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Check labels of two or more classes.
+def class_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Check the labels of two or more classes.
+
+    Parameters
+    ----------
+    y : array-like (n_expected,)
+        Whole numbers, booleans or strings.
+    n_expected : int
+        How many labels there should be.
+    what : str
+        The labelled things, for error messages.
 
     Returns
     -------
     classes : ndarray (n_classes,)
-        In sorted order.
-    numbers : int64 ndarray (n,)
-        Place of each label in `classes`.
+        The different labels in sorted order.
+    codes : int64 ndarray (n_expected,)
+        The position of each label among them.
 
     Raises
     ------
     InputError
-        If the number of labels is wrong, a label is missing, masked, NaN or infinite, or all are equal.
+        As for `binary_labels`, except that more classes are allowed, but not more than one for two labels.
     """
-    classes, numbers = np.unique(_checked(y, n_expected, what), return_inverse=True)
-    if len(classes) < 2:
-        listed = ", ".join(map(str, classes)) or "none"
+    labels = _checked_labels(y, n_expected, what=what)
+    classes, codes = np.unique(labels, return_inverse=True)
+    if len(classes) <= 2:
+        both = binary_labels(y, n_expected, what=what)
+        return both.classes, both.positive.astype(np.int64)
+    if 2 * len(classes) > n_expected:
         raise InputError(
-            f"labels of at least 2 classes are needed, but {n_expected} {what} have only 1 class: {listed}"
+            f"{n_expected} {what} have {len(classes)} classes: give at least two {what} a class on average, "
+            "or learn a number by regression"
         )
-    return classes, numbers.astype(np.int64)
+    return classes, codes.astype(np.int64)
 
 
-def _checked(y: ArrayLike, n_expected: int, what: str) -> NDArray[Any]:
-    """Return labels as an array of one type."""
+def _checked_labels(y: ArrayLike, n_expected: int, *, what: str) -> NDArray[Any]:
+    """Return labels of one type, all of them known, as a one-dimensional array."""
     labels = _column(y)
     if isinstance(y, (list, tuple)) and labels.dtype.kind == "U" and not all(isinstance(v, str) for v in y):
         # NumPy has converted numbers to strings.
@@ -109,7 +122,7 @@ def _checked(y: ArrayLike, n_expected: int, what: str) -> NDArray[Any]:
     if kind == "f":
         if not np.isfinite(labels).all():
             raise InputError(
-                f"labels contain NaN or infinite values: give each of the {what} one of two classes"
+                f"labels contain NaN or infinite values: give each of the {what} one of the classes"
             )
         if (labels != np.floor(labels)).any():
             raise InputError(

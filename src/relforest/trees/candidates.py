@@ -1,43 +1,98 @@
-"""Candidate questions at one leaf: their points, and the best volume for given labels."""
+"""What arrives at a leaf, the questions that may be asked there, and how good an answer would be."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol, final
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.support.progress import report
+from relforest.trees.bags import Bags, bags_of
 from relforest.trees.expansions import Expansion, expansions
+from relforest.trees.inference import query
 from relforest.trees.kernels import ERROR, NO, YES, answer_tuples
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.packing import pack
-from relforest.trees.probabilities import Assignment, assign
+from relforest.trees.probabilities import Assignment
 from relforest.trees.sequences import Sequences, n_extensions, rows_of
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
 from relforest.trees.structure import MAX_VARIABLES
-from relforest.volumes import Volume, aggregate
-from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from relforest.mappings import Mapping
     from relforest.scenes import Scenes
+    from relforest.trees.criterion import Target
+    from relforest.trees.tree import Tree
+    from relforest.volumes import Volume
 
 
-class SearchSettings(Protocol):
-    """The part of `TreeSettings` that the search needs."""
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrivals:
+    """The instantiation sequences that arrive at a leaf, and those of its expansions.
 
-    @property
-    def attempts(self) -> int:
-        """Tries per expansion."""
-        ...
+    Parameters
+    ----------
+    scenes : Scenes
+    places : int64 ndarray (n_scenes, k)
+        Positions of the action arguments, see `argument_places`.
+    mappings : tuple of Mapping
+        The mapping functions that may be asked.
+    sequences : Sequences
+    """
 
-    @property
-    def covagg(self) -> CovAggSettings:
-        """Parameters of covariant aggregation."""
-        ...
+    scenes: Scenes
+    places: NDArray[np.int64]
+    mappings: tuple[Mapping, ...]
+    sequences: Sequences
+    _extended: list[Sequences] = field(init=False, default_factory=list)
+
+    def expansions(self) -> Iterator[Expansion]:
+        """Yield all expansions of the leaf, fewest new variables first."""
+        return expansions(self.mappings, self.sequences.depth, self.scenes.schema.n_parameters)
+
+    def only(self, chosen: NDArray[np.int64]) -> Arrivals:
+        """Return what arrives from some scenes."""
+        is_chosen = np.zeros(len(self.scenes), dtype=np.bool_)
+        is_chosen[chosen] = True
+        return replace(self, sequences=self.sequences.where(is_chosen[self.sequences.scene]))
+
+    def size(self, n_new: int) -> float:
+        """Return the number of sequences with so many more variables; infinite if there are too many."""
+        sequences = self.sequences
+        if sequences.depth + n_new > MAX_VARIABLES:
+            return np.inf
+        while n_new > 0 and sequences.depth < self.places.shape[1]:
+            sequences = sequences.extended(self.scenes.counts, self.places)
+            n_new -= 1
+        n = n_extensions(sequences.scene, sequences.objects, self.scenes.counts, self.places, n_new)
+        return sequences.ratio * n
+
+    def extended(self, n_new: int, most: int) -> Sequences | None:
+        """Return the sequences with so many more variables; None if there are more than `most`."""
+        known = self._extended or [self.sequences]
+        # Step by step: there may be no expansion with fewer new variables, if no mapping takes so few.
+        while len(known) <= n_new and not self._too_many(known[-1], most):
+            known.append(known[-1].extended(self.scenes.counts, self.places))
+        self._extended[:] = known
+        return known[n_new] if n_new < len(known) else None
+
+    def drawn(self, n_new: int, most: int, rng: np.random.Generator) -> list[Sequences]:
+        """Return the sequences with 0 to `n_new` more variables, samples where there are more than `most`."""
+        drawn = [self.sequences]
+        while len(drawn) <= n_new:
+            drawn.append(drawn[-1].drawn(self.scenes.counts, self.places, most, rng))
+        return drawn
+
+    def _too_many(self, sequences: Sequences, most: int) -> bool:
+        if sequences.depth == MAX_VARIABLES:
+            return True
+        n = n_extensions(sequences.scene, sequences.objects, self.scenes.counts, self.places, 1)
+        return n > most
 
 
 @final
@@ -50,34 +105,21 @@ class PreparedQuestion:
     scenes : Scenes
     expansion : Expansion
     sequences : Sequences
-        All instantiation sequences at the question.
-    asked : Sequences
-        The distinct tuples of objects that it asks about, scene by scene.
+        The instantiation sequences at the question, all or a sample of them.
     """
 
     scenes: Scenes
     expansion: Expansion
     sequences: Sequences
-    asked: Sequences
-    rows: NDArray[np.int64] = field(init=False)
-    """Object rows of `asked`."""
-    points: NDArray[np.float64] = field(init=False)
-    """Defined points (n_points, d), grouped by scene."""
-    starts: NDArray[np.int64] = field(init=False)
-    """Where each scene's points begin, (n_bags + 1,)."""
-    bag_scenes: NDArray[np.int64] = field(init=False)
-    """Scene of each bag, (n_bags,): scenes with at least one defined point."""
+    asked: Sequences = field(init=False)
+    """The distinct tuples of objects that it asks about, scene by scene."""
+    bags: Bags = field(init=False)
+    """Their points."""
 
     def __post_init__(self) -> None:
-        rows = rows_of(self.scenes, self.asked)
-        points = self.expansion.mapping.evaluate(self.scenes.schema, self.scenes.matrix, rows)
-        defined = np.isfinite(points).all(axis=1)
-        scene = self.asked.scene[defined]
-        bag_scenes, first = np.unique(scene, return_index=True)
-        object.__setattr__(self, "rows", rows)
-        object.__setattr__(self, "points", points[defined])
-        object.__setattr__(self, "starts", np.append(first, len(scene)).astype(np.int64))
-        object.__setattr__(self, "bag_scenes", bag_scenes)
+        asked = self.sequences.distinct(self.expansion.variables)
+        object.__setattr__(self, "asked", asked)
+        object.__setattr__(self, "bags", bags_of(self.scenes, asked, self.expansion.mapping))
 
     def answers(self, volume: Volume, rows: NDArray[np.int64]) -> NDArray[np.int8]:
         """Answer (`YES`, `NO`, `ERROR`) for each tuple of object rows (n, arity)."""
@@ -89,15 +131,15 @@ class PreparedQuestion:
         return answers
 
     def presence(self, volume: Volume) -> NDArray[np.bool_]:
-        """Which scenes would arrive at the Yes, No and Error leaf, (3, n_scenes)."""
+        """Which scenes would arrive at the Yes, No and Error leaf, (3, n_scenes), by these sequences."""
         present = np.zeros((3, len(self.scenes)), dtype=np.bool_)
-        present[self.answers(volume, self.rows), self.asked.scene] = True
+        present[self.answers(volume, self.bags.rows), self.asked.scene] = True
         return present
 
     def partition(self, volume: Volume) -> tuple[Sequences, Sequences, Sequences]:
         """The sequences that go to the Yes, No and Error leaf."""
-        chosen = Sequences(self.sequences.scene, self.sequences.objects[:, self.expansion.variables])
-        answers = self.answers(volume, rows_of(self.scenes, chosen))
+        objects = self.sequences.objects.take(self.expansion.variables, axis=1)
+        answers = self.answers(volume, rows_of(self.scenes, Sequences(self.sequences.scene, objects)))
         yes, no, error = (self.sequences.where(answers == answer) for answer in (YES, NO, ERROR))
         return yes, no, error
 
@@ -118,7 +160,7 @@ class Candidate:
     p_value : float
         Of the uncorrected likelihood ratio test.
     n_tried : int
-        Volumes that competed.
+        Volumes that competed, for the correction for multiple comparisons.
     """
 
     question: PreparedQuestion
@@ -132,6 +174,10 @@ class Candidate:
         """Whether this one is at least as significant; the larger gain decides where p-values vanish."""
         return (self.p_value, -self.gain) <= (other.p_value, -other.gain)
 
+    def among(self, n_tried: int) -> Candidate:
+        """Return the same candidate as the best of so many."""
+        return replace(self, n_tried=n_tried)
+
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,6 +186,7 @@ class OpenLeaf:
 
     Parameters
     ----------
+    tree : Tree
     leaf : int
         Ordinal of the leaf.
     presence : bool ndarray (n_leaves, n_scenes)
@@ -148,89 +195,50 @@ class OpenLeaf:
         Which leaf decides each scene, and the probabilities.
     """
 
+    tree: Tree
     leaf: int
     presence: NDArray[np.bool_]
     assignment: Assignment
 
-    def relabelled(self, labels: NDArray[np.bool_]) -> OpenLeaf:
-        """The same leaf of the same tree, with probabilities from other labels."""
-        return OpenLeaf(self.leaf, self.presence, assign(self.presence, labels))
+    def retargeted(self, target: Target) -> OpenLeaf:
+        """The same leaf of the same tree, with values for another target."""
+        return replace(self, assignment=target.assign(self.presence))
 
-    def expanded(self, below: NDArray[np.bool_], labels: NDArray[np.bool_]) -> Assignment:
+    def expanded(self, below: NDArray[np.bool_], target: Target) -> Assignment:
         """The assignment if leaves with presence `below` replaced this one."""
         presence = (self.presence[: self.leaf], below, self.presence[self.leaf + 1 :])
-        return assign(np.vstack(presence), labels)
+        return target.assign(np.vstack(presence))
 
+    def below(self, question: PreparedQuestion, volume: Volume) -> NDArray[np.bool_]:
+        """Which scenes arrive at the Yes, No and Error leaf of a question here, (3, n_scenes).
 
-def prepare(
-    scenes: Scenes,
-    places: NDArray[np.int64],
-    at_leaf: Sequences,
-    mappings: tuple[Mapping, ...],
-    max_points: int,
-) -> tuple[list[PreparedQuestion], int]:
-    """Prepare every expansion of a leaf.
+        The tree is queried, which takes no memory: once for each of the three leaves, as if that leaf were
+        the most probable one.
+        """
+        expansion = question.expansion
+        node = Question(expansion.mapping, expansion.variables, volume, 0, 0, 0)
+        grown = self.tree.expanded(self.leaf, expansion.n_new, node)
+        here = np.flatnonzero(self.presence[self.leaf])
+        scenes = question.scenes.take(here)
+        present = np.zeros((3, len(question.scenes)), dtype=np.bool_)
+        for answer in range(3):
+            sought = self.leaf + answer
+            leaves = [Leaf(float(leaf == sought), 0, 0) for leaf in range(grown.n_leaves)]
+            present[answer, here] = query(grown.with_leaves(leaves), scenes).leaf == sought
+        return present
 
-    Returns the expansions that have points, and the number left out because of `max_points` or because the
-    branch already binds as many variables as allowed. Expansions without a defined point are dropped.
-    """
-    prepared: list[PreparedQuestion] = []
-    extended = [at_leaf]
-    left_out = 0
-    for expansion in expansions(mappings, at_leaf.depth, scenes.schema.n_parameters):
-        report("expansions prepared", len(prepared))
-        # Step by step: there may be no expansion with fewer new variables, if no mapping takes so few.
-        while len(extended) <= expansion.n_new and not _too_many(extended[-1], scenes, places, max_points):
-            extended.append(extended[-1].extended(scenes.counts, places))
-        if len(extended) <= expansion.n_new:
-            left_out += 1
-            continue
-        sequences = extended[expansion.n_new]
-        question = PreparedQuestion(scenes, expansion, sequences, sequences.distinct(expansion.variables))
-        if len(question.points):
-            prepared.append(question)
-    return prepared, left_out
+    def judged(
+        self, question: PreparedQuestion, volume: Volume, target: Target, *, exactly: bool = False
+    ) -> Candidate:
+        """Return what a volume would do to the tree, as the only one tried.
 
-
-def _too_many(sequences: Sequences, scenes: Scenes, places: NDArray[np.int64], max_points: int) -> bool:
-    if sequences.depth == MAX_VARIABLES:
-        return True
-    return n_extensions(sequences.scene, sequences.objects, scenes.counts, places) > max_points
-
-
-def best_candidate(
-    questions: list[PreparedQuestion],
-    labels: NDArray[np.bool_],
-    at: OpenLeaf,
-    settings: SearchSettings,
-    rng: np.random.Generator,
-) -> Candidate | None:
-    """The most significant volume over all questions and attempts; None if no volume separates anything."""
-    best: Candidate | None = None
-    n_tried = 0
-    for number, question in enumerate(questions):
-        report("expansions tried", number, len(questions))
-        mapping = question.expansion.mapping
-        for _ in range(settings.attempts):
-            n_tried += 1
-            found = aggregate(
-                question.points,
-                question.starts,
-                labels[question.bag_scenes],
-                rng=rng,
-                space=mapping.space,
-                objective="log-likelihood",
-                settings=settings.covagg,
-            )
-            if found is None:
-                continue
-            below = question.presence(found.volume)
-            gain = at.expanded(below, labels).log_likelihood - at.assignment.log_likelihood
-            n_parameters = added_parameters(mapping, has_errors=bool(below[ERROR].any()))
-            p_value = likelihood_ratio_p(gain, n_parameters)
-            candidate = Candidate(question, found.volume, below, gain, p_value, 0)
-            if best is None or not best.beats(candidate):
-                best = candidate
-    if best is None:
-        return None
-    return Candidate(best.question, best.volume, best.presence, best.gain, best.p_value, n_tried)
+        If the question has but a sample of the sequences, then only `exactly` tells for sure who arrives
+        where; otherwise scenes without a sequence in the sample count as No.
+        """
+        below = self.below(question, volume) if exactly else question.presence(volume)
+        if question.sequences.ratio > 1.0:
+            below[NO] |= self.presence[self.leaf] & ~below.any(axis=0)
+        gain = self.expanded(below, target).log_likelihood - self.assignment.log_likelihood
+        mapping, has_errors = question.expansion.mapping, bool(below[ERROR].any())
+        n_parameters = added_parameters(mapping, has_errors=has_errors, n_values=target.n_values)
+        return Candidate(question, volume, below, gain, likelihood_ratio_p(gain, n_parameters), 1)

@@ -1,4 +1,4 @@
-"""SMRF trees as a scikit-learn classifier of scenes."""
+"""SMRF trees as scikit-learn estimators of scenes."""
 
 from __future__ import annotations
 
@@ -6,20 +6,24 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
-from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
 from relforest.scenes import Scenes
 from relforest.scenes.ids import plain
-from relforest.scenes.labels import binary_labels
+from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
+from relforest.support.masks import refuse_masked
 from relforest.support.numerals import probability
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
+from relforest.trees.criterion import Target
 from relforest.trees.growth import grow
 from relforest.trees.inference import query
-from relforest.trees.nodes import variable_name
+from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
+from relforest.trees.search import SearchName
 from relforest.trees.settings import Test, TreeSettings
+from relforest.trees.weights import ClassWeight, class_weights, scene_weights
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -38,7 +42,8 @@ class Explanation:
     scene : object
         Identifier of the scene.
     probability : float
-        Probability of the positive class.
+        Probability of the positive class; the mean for real targets, and the largest share of any class but
+        the most common one for several classes.
     leaf : int
         Ordinal of the deciding leaf.
     witnesses : dict of str to object
@@ -47,6 +52,8 @@ class Explanation:
     densities : tuple of float
         How typical the witnesses are for each question above the leaf, starting at the root: 1 at the centre
         of its volume, 0 far away or if the question could not be answered.
+    prediction : str
+        The prediction in words, where it is not the probability of a positive class.
     """
 
     scene: object
@@ -54,16 +61,50 @@ class Explanation:
     leaf: int
     witnesses: dict[str, object]
     densities: tuple[float, ...]
+    prediction: str = ""
 
     def __str__(self) -> str:
         """Return the explanation on one line."""
         bound = ", ".join(f"{name} = {witness}" for name, witness in self.witnesses.items())
-        found = f"probability {probability(self.probability)}, leaf {self.leaf}"
+        found = f"{self.prediction or f'probability {probability(self.probability)}'}, leaf {self.leaf}"
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
+class _SceneTree(BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+    """What the estimators share; subclasses have the options of `TreeSettings` and a few of their own."""
+
+    def _grow(self, scenes: Scenes, target: Target, weights: NDArray[np.float64] | None) -> None:
+        """Learn `tree_` from the scenes with a weight, for which the target holds."""
+        settings = TreeSettings(
+            test=self.test,
+            search=self.search,
+            alpha=self.alpha,
+            attempts=self.attempts,
+            permutations=self.permutations,
+            max_points=self.max_points,
+        )
+        rng = generator(seed_sequence(self.random_state))
+        kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
+        with printed_to_stderr(self.verbose):
+            growth = grow(kept, target, rng=rng, settings=settings)
+        self.tree_: Tree = growth.tree
+        self.steps_: tuple[Step, ...] = growth.steps
+        self.n_left_out_: int = growth.n_left_out
+        self.n_sampled_: int = growth.n_sampled
+
+    def apply(self, scenes: Scenes) -> NDArray[np.int64]:
+        """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
+        check_is_fitted(self)
+        return query(self.tree_, _checked(scenes), n_jobs=self.n_jobs).leaf
+
+    def explain(self, scenes: Scenes) -> list[Explanation]:
+        """Return the objects behind each prediction."""
+        check_is_fitted(self)
+        return explain(self.tree_, _checked(scenes))
+
+
 @final
-class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
     """Probabilistic, existential decision tree over scenes.
 
     Parameters
@@ -71,14 +112,23 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
         Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
         questions on pure noise more often than `alpha`; the permutation test keeps its level.
+    search : {"screened", "exhaustive"}, default "screened"
+        How the best question is found. The exhaustive search is that of the source: all possible questions
+        on all scenes. The screened search tries them on a few scenes, then the best on all; it is about ten
+        times faster.
     alpha : float, default 0.05
         Significance level.
     attempts : int, default 3
-        Number of attempts at each possible question.
+        Number of attempts at each possible question in the exhaustive search. The screened search makes
+        fewer, but corrects for as many comparisons.
     permutations : int, default 99
         Number of permutations in the permutation test.
     max_points : int, default 100_000
-        Expansions with more instantiation sequences are left out, and counted by `n_left_out_`.
+        Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
+        and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    class_weight : {"balanced"}, dict or None, default None
+        Weight of each class, by label: those that are not named weigh 1. "balanced" gives all classes the
+        same weight in sum. It multiplies `sample_weight`.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -90,12 +140,19 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
     ----------
     tree_ : Tree
         The learned tree; ``print(model.tree_)`` describes it in words.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
+    classes_ : ndarray (n_classes,)
+        The labels in sorted order; of two, ``classes_[1]`` is the positive class.
     steps_ : tuple of Step
         The accepted questions, with p-values, in the order in which they were learned.
     n_left_out_ : int
         Number of expansions left out because of `max_points`.
+    n_sampled_ : int
+        Number of expansions searched by a sample because of `max_points`.
+
+    Notes
+    -----
+    With more than two classes, the leaf with the largest share of any class but the most common one decides:
+    what exists in a scene speaks for a special class, and the common one is left with the rest.
 
     References
     ----------
@@ -118,10 +175,150 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         no: 0.00  (0 of 24 scenes positive)
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
         self,
         *,
         test: Test = "likelihood-ratio",
+        search: SearchName = "screened",
+        alpha: float = 0.05,
+        attempts: int = 3,
+        permutations: int = 99,
+        max_points: int = 100_000,
+        class_weight: ClassWeight = None,
+        random_state: RandomState = None,
+        n_jobs: int = 1,
+        verbose: bool = False,
+    ) -> None:
+        self.test = test
+        self.search = search
+        self.alpha = alpha
+        self.attempts = attempts
+        self.permutations = permutations
+        self.max_points = max_points
+        self.class_weight = class_weight
+        self.random_state = random_state
+        self.n_jobs = n_jobs
+        self.verbose = verbose
+
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn a tree.
+
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            Whole numbers, booleans or strings, aligned with ``scenes.scene_ids``.
+        sample_weight : array-like (n_scenes,), optional
+            Weights, of which only the proportions count; scenes of weight 0 are left out.
+
+        Raises
+        ------
+        InputError
+            If the labels or weights do not match the scenes, labels are not of at least two classes, a
+            weight is negative or not finite or all are zero, or a parameter is out of range.
+        """
+        classes, codes = class_labels(y, len(_checked(scenes)), what="scenes")
+        weights = scene_weights(sample_weight, len(scenes))
+        by_class = class_weights(self.class_weight, classes, codes, weights)
+        if by_class is not None:
+            weights = scene_weights(by_class[codes] * (1.0 if weights is None else weights), len(scenes))
+        kept = slice(None) if weights is None else weights > 0
+        positive = None if weights is None else weights[kept]
+        if len(classes) == 2:
+            target = Target.binary(codes[kept] == 1, positive)
+        else:
+            target = Target.classes(codes[kept], len(classes), positive)
+        self._grow(scenes, target, weights)
+        self.classes_: NDArray[Any] = classes
+        return self
+
+    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Probability of each class, shape (n_scenes, n_classes)."""
+        leaf = self.apply(scenes)
+        if len(self.classes_) > 2:
+            nodes = (self.tree_.nodes[i] for i in self.tree_.leaves)
+            return np.array([node.shares for node in nodes if isinstance(node, ClassLeaf)])[leaf]
+        positive = self.tree_.leaf_probabilities[leaf]
+        return np.column_stack([1.0 - positive, positive])
+
+    def predict(self, scenes: Scenes) -> NDArray[Any]:
+        """Most probable class of each scene, shape (n_scenes,); the positive one at even odds."""
+        probabilities = self.predict_proba(scenes)
+        if len(self.classes_) > 2:
+            chosen = probabilities.argmax(axis=1)
+        else:
+            chosen = (probabilities[:, 1] >= 0.5).astype(np.int64)
+        predicted: NDArray[Any] = self.classes_[chosen]
+        return predicted
+
+
+@final
+class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
+    """Existential regression tree over scenes: each leaf predicts the mean of its training scenes.
+
+    Of all leaves that a scene reaches, the one with the highest mean decides, as the most probable one does
+    in a classifier. What exists in a scene can therefore raise the prediction; to explain low values by what
+    exists, fit the negated target.
+
+    Parameters
+    ----------
+    test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
+        Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
+        questions on pure noise more often than `alpha`; the permutation test keeps its level.
+    search : {"screened", "exhaustive"}, default "screened"
+        How the best question is found. The exhaustive search is that of the source: all possible questions
+        on all scenes. The screened search tries them on a few scenes, then the best on all; it is about ten
+        times faster.
+    alpha : float, default 0.05
+        Significance level.
+    attempts : int, default 3
+        Number of attempts at each possible question in the exhaustive search. The screened search makes
+        fewer, but corrects for as many comparisons.
+    permutations : int, default 99
+        Number of permutations in the permutation test.
+    max_points : int, default 100_000
+        Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
+        and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    random_state : int, Generator, RandomState, SeedSequence or None, default None
+        Seed; an integer makes `fit` reproducible.
+    n_jobs : int, default 1
+        Number of threads for prediction; -1 for all cores. Does not affect the result.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
+
+    Attributes
+    ----------
+    tree_ : Tree
+        The learned tree; ``print(model.tree_)`` describes it in words.
+    steps_, n_left_out_, n_sampled_
+        As for `SMRFTreeClassifier`.
+
+    Notes
+    -----
+    Questions are chosen and tested by the likelihood of Gaussian errors with one variance for all leaves.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from relforest import Scenes, SMRFTreeRegressor
+    >>> rng = np.random.default_rng(0)
+    >>> weights = rng.uniform(0, 10, size=(60, 3))
+    >>> records = [{"objects": [{"weight": w} for w in scene]} for scene in weights.tolist()]
+    >>> scenes = Scenes.from_dicts(records)
+    >>> y = 5.0 + (weights.max(axis=1) > 8) + 0.1 * rng.normal(size=60)
+    >>> model = SMRFTreeRegressor(alpha=1e-4, random_state=0).fit(scenes, y)
+    >>> print(model.tree_)
+    SMRF tree with 1 question and 3 leaves
+    there is an A with weight between 8 and 10.01
+        yes: mean 5.99  (deviation 0.116, 39 scenes)
+        no: mean 4.98  (deviation 0.0871, 21 scenes)
+    """
+
+    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
+        self,
+        *,
+        test: Test = "likelihood-ratio",
+        search: SearchName = "screened",
         alpha: float = 0.05,
         attempts: int = 3,
         permutations: int = 99,
@@ -131,6 +328,7 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         verbose: bool = False,
     ) -> None:
         self.test = test
+        self.search = search
         self.alpha = alpha
         self.attempts = attempts
         self.permutations = permutations
@@ -139,67 +337,41 @@ class SMRFTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc] 
         self.n_jobs = n_jobs
         self.verbose = verbose
 
-    def fit(self, scenes: Scenes, y: ArrayLike) -> Self:
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn a tree.
 
         Parameters
         ----------
         scenes : Scenes
         y : array-like (n_scenes,)
-            0/1, -1/+1, booleans or two strings, aligned with ``scenes.scene_ids``.
+            Finite numbers, aligned with ``scenes.scene_ids``.
+        sample_weight : array-like (n_scenes,), optional
+            Weights, of which only the proportions count; scenes of weight 0 are left out.
 
         Raises
         ------
         InputError
-            If the labels do not match the scenes or are not of two classes, or a parameter is out of range.
+            If targets or weights do not match the scenes, a target is not finite or all are equal, a weight
+            is negative or not finite or all are zero, or a parameter is out of range.
         """
-        settings = TreeSettings(
-            test=self.test,
-            alpha=self.alpha,
-            attempts=self.attempts,
-            permutations=self.permutations,
-            max_points=self.max_points,
-        )
-        labels = binary_labels(y, len(_checked(scenes)), what="scenes")
-        rng = generator(seed_sequence(self.random_state))
-        with printed_to_stderr(self.verbose):
-            growth = grow(scenes, labels.positive, rng=rng, settings=settings)
-        self.classes_ = labels.classes
-        self.tree_: Tree = growth.tree
-        self.steps_: tuple[Step, ...] = growth.steps
-        self.n_left_out_: int = growth.n_left_out
+        values = _numbers(y, len(_checked(scenes)))
+        weights = scene_weights(sample_weight, len(scenes))
+        kept = slice(None) if weights is None else weights > 0
+        target = Target.real(values[kept], None if weights is None else weights[kept])
+        self._grow(scenes, target, weights)
         return self
 
-    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, shape (n_scenes, 2)."""
-        positive = self._leaf_probabilities()[self.apply(scenes)]
-        return np.column_stack([1.0 - positive, positive])
-
-    def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, shape (n_scenes,)."""
-        is_positive = self._leaf_probabilities()[self.apply(scenes)] >= 0.5
-        predicted: NDArray[Any] = self.classes_[is_positive.astype(np.int64)]
-        return predicted
-
-    def apply(self, scenes: Scenes) -> NDArray[np.int64]:
-        """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
-        check_is_fitted(self)
-        return query(self.tree_, _checked(scenes), n_jobs=self.n_jobs).leaf
-
-    def explain(self, scenes: Scenes) -> list[Explanation]:
-        """Return the objects behind each prediction."""
-        check_is_fitted(self)
-        return explain(self.tree_, _checked(scenes))
-
-    def _leaf_probabilities(self) -> NDArray[np.float64]:
-        check_is_fitted(self)
-        return self.tree_.leaf_probabilities
+    def predict(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Mean of the deciding leaf of each scene, shape (n_scenes,)."""
+        leaf = self.apply(scenes)
+        return self.tree_.leaf_probabilities[leaf]
 
 
 def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
     """Return the deciding leaf of each scene and its witnesses."""
     answers = query(tree, scenes)
     probabilities = tree.leaf_probabilities
+    leaves = [tree.nodes[leaf] for leaf in tree.leaves]
     bound = [tree.n_bound[leaf] for leaf in tree.leaves]
     explanations = []
     for i, leaf in enumerate(answers.leaf):
@@ -208,9 +380,11 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
             row = answers.witnesses[i, variable]
             witnesses[variable_name(variable)] = None if row < 0 else plain(scenes.object_ids[row])
         densities = tuple(answers.densities[i, : len(tree.questions_above[leaf])].tolist())
+        node = leaves[leaf]
+        said = node.summary.partition("  (")[0] if isinstance(node, (MeanLeaf, ClassLeaf)) else ""
         explanations.append(
             Explanation(
-                plain(scenes.scene_ids[i]), float(probabilities[leaf]), int(leaf), witnesses, densities
+                plain(scenes.scene_ids[i]), float(probabilities[leaf]), int(leaf), witnesses, densities, said
             )
         )
     return explanations
@@ -221,3 +395,17 @@ def _checked(scenes: object) -> Scenes:
         msg = f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
         raise InputError(msg)
     return scenes
+
+
+def _numbers(y: ArrayLike, n_expected: int) -> NDArray[np.float64]:
+    """Return real targets."""
+    refuse_masked(y, "y")
+    try:
+        values = np.asarray(y, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError("targets must be numbers: use SMRFTreeClassifier for classes") from error
+    if values.shape != (n_expected,):
+        raise InputError(
+            f"got targets of shape {values.shape} for {n_expected} scenes: give one number for each"
+        )
+    return values

@@ -1,4 +1,4 @@
-"""Growing a SMRF tree from labelled scenes (Algorithm 4.1)."""
+"""Growing a SMRF tree (Algorithm 4.1)."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import numpy as np
 from relforest.mappings import catalogue
 from relforest.support.errors import InputError
 from relforest.support.progress import part
-from relforest.trees.candidates import Candidate, OpenLeaf, PreparedQuestion, best_candidate, prepare
+from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf
+from relforest.trees.criterion import Target
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.permutation import permutation_p
-from relforest.trees.probabilities import Assignment, assign, potential
+from relforest.trees.probabilities import Assignment
+from relforest.trees.search import SEARCHES, LeafSearch
 from relforest.trees.sequences import Sequences, argument_places
 from relforest.trees.settings import TreeSettings
 from relforest.trees.significance import sidak
@@ -66,27 +68,31 @@ class Growth:
         Accepted expansions, in order.
     n_left_out : int
         Expansions that were not tried because of `TreeSettings.max_points`.
+    n_sampled : int
+        Expansions that were searched by a sample of their instantiation sequences for the same reason. The
+        scenes at a leaf always follow from all sequences.
     """
 
     tree: Tree
     steps: tuple[Step, ...]
     n_left_out: int
+    n_sampled: int
 
 
 def grow(
     scenes: Scenes,
-    labels: NDArray[np.bool_],
+    target: Target | NDArray[np.bool_],
     *,
     rng: np.random.Generator,
     settings: TreeSettings = _DEFAULT,
 ) -> Growth:
-    """Learn a tree that predicts the labels of scenes.
+    """Learn a tree that predicts what is known about scenes.
 
     Parameters
     ----------
     scenes : Scenes
-    labels : bool ndarray (n_scenes,)
-        True for scenes that contain an instance of the target concept.
+    target : Target or bool ndarray (n_scenes,)
+        What to predict; labels are True for scenes that contain an instance of the target concept.
     rng : Generator
         Source of all sampling.
     settings : TreeSettings
@@ -110,9 +116,12 @@ def grow(
     ----------
     Palmer (2015), Algorithm 4.1, section 4.2; section 6.2 for action arguments.
     """
-    if len(scenes) == 0 or labels.shape != (len(scenes),):
-        msg = f"pass at least one scene and one label for each: got {len(scenes)} and {labels.shape}"
+    shape = (len(target),) if isinstance(target, Target) else target.shape
+    if len(scenes) == 0 or shape != (len(scenes),):
+        msg = f"pass at least one scene and one label for each: got {len(scenes)} and {shape}"
         raise InputError(msg)
+    if not isinstance(target, Target):
+        target = Target.binary(target)
     state = _State(
         Tree.stub(scenes.schema, Leaf(0.0, 0, 0)),
         (Sequences.empty(len(scenes)),),
@@ -121,31 +130,27 @@ def grow(
     )
     places, mappings = argument_places(scenes), catalogue(scenes.schema)
     steps: list[Step] = []
-    n_left_out = 0
+    n_left_out = n_sampled = 0
     while True:
-        assignment = assign(state.presence, labels)
-        leaf = _most_promising(state, labels, assignment)
+        assignment = target.assign(state.presence)
+        leaf = _most_promising(state, target, assignment)
         if leaf is None:
             break
         with part(f"question {len(steps) + 1}"):
-            questions, left_out = prepare(
-                scenes, places, state.sequences[leaf], mappings, settings.max_points
-            )
-            n_left_out += left_out
-            at = OpenLeaf(leaf, state.presence, assignment)
-            found = best_candidate(questions, labels, at, settings, rng)
-            p_value = None if found is None else _tested(found, questions, labels, at, settings, rng)
+            arrivals = Arrivals(scenes, places, mappings, state.sequences[leaf])
+            search = SEARCHES[settings.search].at(arrivals, settings, rng)
+            n_left_out += search.n_left_out
+            n_sampled += search.n_sampled
+            at = OpenLeaf(state.tree, leaf, state.presence, assignment)
+            found = search.best(target, at, rng)
+            p_value = None if found is None else _tested(found, search, target, at, settings, rng)
         if found is None or p_value is None:
             state = state.closed(leaf)
             continue
         asked = found.question.expansion.mapping.name
         steps.append(Step(leaf, asked, p_value, found.gain, found.n_tried))
         state = state.expanded(leaf, found)
-    leaves = [
-        Leaf(float(p), int(negatives), int(positives))
-        for p, (negatives, positives) in zip(assignment.probability, assignment.counts, strict=True)
-    ]
-    return Growth(state.tree.with_leaves(leaves), tuple(steps), n_left_out)
+    return Growth(state.tree.with_leaves(target.leaves(assignment)), tuple(steps), n_left_out, n_sampled)
 
 
 @final
@@ -175,11 +180,11 @@ class _State:
         )
 
 
-def _most_promising(state: _State, labels: NDArray[np.bool_], assignment: Assignment) -> int | None:
+def _most_promising(state: _State, target: Target, assignment: Assignment) -> int | None:
     """Return the open leaf with the highest potential; None if none can raise the likelihood."""
     best, highest = None, assignment.log_likelihood + 1e-9
     for leaf in np.flatnonzero(state.presence.any(axis=1) & np.array(state.is_open)):
-        value = potential(state.presence, labels, assignment.winner, int(leaf))
+        value = target.potential(state.presence, assignment, int(leaf))
         if value > highest:
             best, highest = int(leaf), value
     return best
@@ -187,14 +192,14 @@ def _most_promising(state: _State, labels: NDArray[np.bool_], assignment: Assign
 
 def _tested(
     found: Candidate,
-    questions: list[PreparedQuestion],
-    labels: NDArray[np.bool_],
+    search: LeafSearch,
+    target: Target,
     at: OpenLeaf,
     settings: TreeSettings,
     rng: np.random.Generator,
 ) -> float | None:
     """Return the p-value of the best candidate if it is significant, else None."""
     if settings.test == "permutation":
-        p_value = permutation_p(found, questions, labels, at, settings, rng)
+        p_value = permutation_p(found, search, target, at, settings, rng)
         return p_value if p_value <= settings.alpha else None
     return found.p_value if found.p_value < sidak(settings.alpha, found.n_tried) else None

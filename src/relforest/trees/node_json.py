@@ -7,9 +7,10 @@ from collections.abc import Mapping as Dictionary
 from typing import TYPE_CHECKING, Any, Final
 
 from relforest.mappings import Mapping
+from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import ModelFormatError
 from relforest.support.options import in_range
-from relforest.trees.nodes import Instantiation, Leaf, Node, Question
+from relforest.trees.nodes import ClassLeaf, Instantiation, Leaf, MeanLeaf, Node, Question
 from relforest.volumes import volume_from_dict
 
 if TYPE_CHECKING:
@@ -17,11 +18,27 @@ if TYPE_CHECKING:
 
 # Up to here, every integer is also a float.
 MAX_COUNT: Final = 2**53
+_ROUNDING: Final = 1e-6
 
 
 def node_to_dict(node: Node) -> dict[str, Any]:
     """Return a node as a plain dictionary."""
     match node:
+        case MeanLeaf():
+            return {
+                "kind": "mean",
+                "mean": node.probability,
+                "deviation": node.deviation,
+                "scenes": node.positives,
+            }
+        case ClassLeaf():
+            return {
+                "kind": "classes",
+                "order": node.probability,
+                "negatives": node.negatives,
+                "shares": list(node.shares),
+                "counts": list(node.counts),
+            }
         case Leaf():
             return {
                 "kind": "leaf",
@@ -51,12 +68,14 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
     """
     kind = document["kind"]
     if kind == "leaf":
-        counts = [_whole(document[key]) for key in ("negatives", "positives")]
-        probability = in_range("probability", document["probability"], 0.0, 1.0)
-        if not 0 <= min(counts) <= max(counts) <= MAX_COUNT:
-            msg = f"malformed leaf: counts {reprlib.repr(counts)}"
-            raise ModelFormatError(msg)
-        return Leaf(probability, *counts)
+        negatives, positives = _counts(document["negatives"], document["positives"])
+        return Leaf(in_range("probability", document["probability"], 0.0, 1.0), negatives, positives)
+    if kind == "mean":
+        mean = in_range("mean", document["mean"], -LARGEST_NUMBER, LARGEST_NUMBER)
+        deviation = in_range("deviation", document["deviation"], 0.0, LARGEST_NUMBER)
+        return MeanLeaf(mean, 0, _counts(document["scenes"])[0], deviation)
+    if kind == "classes":
+        return _class_leaf(document)
     if kind == "instantiation":
         return Instantiation(_whole(document["child"]))
     if kind == "question":
@@ -70,6 +89,28 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
         return Question(mapping, variables, volume_from_dict(document["volume"]), *links)
     msg = f"unknown node kind {reprlib.repr(kind)}: expected leaf, instantiation or question"
     raise ModelFormatError(msg)
+
+
+def _class_leaf(document: dict[str, Any]) -> ClassLeaf:
+    order = in_range("order", document["order"], 0.0, 1.0)
+    shares = tuple(in_range("share", share, 0.0, 1.0) for share in document["shares"])
+    counts = _counts(document["negatives"], *document["counts"])
+    negatives, counts = counts[0], counts[1:]
+    if not (len(shares) == len(counts) >= 2 and abs(sum(shares) - 1.0) <= _ROUNDING):
+        msg = f"malformed leaf: shares {reprlib.repr(shares)} of counts {reprlib.repr(counts)}"
+        raise ModelFormatError(msg)
+    if negatives not in counts:
+        msg = f"malformed leaf: no class has {negatives} scenes"
+        raise ModelFormatError(msg)
+    return ClassLeaf(order, negatives, sum(counts) - negatives, shares, counts)
+
+
+def _counts(*values: object) -> tuple[int, ...]:
+    counts = tuple(_whole(value) for value in values)
+    if not 0 <= min(counts) <= max(counts) <= MAX_COUNT:
+        msg = f"malformed leaf: counts {reprlib.repr(list(counts))}"
+        raise ModelFormatError(msg)
+    return counts
 
 
 def _whole(value: object) -> int:

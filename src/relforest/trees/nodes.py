@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, final
 
+from relforest.support.numerals import number, probability
+
 if TYPE_CHECKING:
     from relforest.mappings import Mapping
     from relforest.volumes import Volume
 
 
-@final
 @dataclass(frozen=True, slots=True)
 class Leaf:
     """The end of a branch, with the probability of the target concept.
@@ -18,7 +19,8 @@ class Leaf:
     Parameters
     ----------
     probability : float
-        Probability that a scene is positive if its best instantiation sequence arrives here.
+        Probability that a scene is positive if its best instantiation sequence arrives here. Of all leaves
+        that a scene reaches, the one where this is highest decides.
     negatives, positives : int
         Training scenes decided by this leaf, by label.
     """
@@ -26,6 +28,63 @@ class Leaf:
     probability: float
     negatives: int
     positives: int
+
+    @property
+    def summary(self) -> str:
+        """The probability and the training counts in words."""
+        total = self.negatives + self.positives
+        return f"{probability(self.probability)}  ({self.positives} of {counted(total, 'scene')} positive)"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MeanLeaf(Leaf):
+    """The end of a branch of a tree for real targets: `probability` is the mean, no scene is negative.
+
+    Parameters
+    ----------
+    deviation : float
+        Standard deviation of the training scenes decided by this leaf; of all of them if it decides none.
+    """
+
+    deviation: float
+
+    @property
+    def summary(self) -> str:
+        """The mean, the deviation and the training count in words."""
+        spread = f"deviation {number(self.deviation)}, " if self.positives else ""
+        return f"mean {number(self.probability)}  ({spread}{counted(self.positives, 'scene')})"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ClassLeaf(Leaf):
+    """The end of a branch of a tree for several classes.
+
+    `probability` is the largest share of any class but the most common one, less a little where a leaf that
+    comes before it would have the same; scenes of the most common class count as negative.
+
+    Parameters
+    ----------
+    shares : tuple of float
+        Share of each class.
+    counts : tuple of int
+        Training scenes decided by this leaf, by class.
+    """
+
+    shares: tuple[float, ...]
+    counts: tuple[int, ...]
+
+    @property
+    def summary(self) -> str:
+        """The shares and the training counts in words."""
+        shares = ", ".join(probability(share) for share in self.shares)
+        return f"{shares}  ({', '.join(map(str, self.counts))} of {counted(sum(self.counts), 'scene')})"
+
+
+def counted(count: int, noun: str, plural: str | None = None) -> str:
+    """Return a number of things, such as ``2 leaves``."""
+    return f"{count} {noun if count == 1 else plural or noun + 's'}"
 
 
 @final

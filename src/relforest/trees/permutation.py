@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from relforest.support.progress import part
-from relforest.trees.candidates import (
-    Candidate,
-    OpenLeaf,
-    PreparedQuestion,
-    SearchSettings,
-    best_candidate,
-)
+from relforest.trees.candidates import Candidate, OpenLeaf
+from relforest.trees.search import LeafSearch, SearchSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from relforest.trees.criterion import Target
 
 
 class PermutationSettings(SearchSettings, Protocol):
@@ -36,18 +33,18 @@ class PermutationSettings(SearchSettings, Protocol):
 
 def permutation_p(
     found: Candidate,
-    questions: list[PreparedQuestion],
-    labels: NDArray[np.bool_],
+    search: LeafSearch,
+    target: Target,
     at: OpenLeaf,
     settings: PermutationSettings,
     rng: np.random.Generator,
 ) -> float:
     """Return the p-value of the best candidate under shuffled labels.
 
-    Labels are shuffled among scenes decided by the same leaf, so that what the tree already explains
-    stays explained. Each shuffle goes through the same search over all expansions; the p-value is the
-    share of shuffles, including the observed labels, with a best candidate as significant as the
-    observed one. No further correction for multiple comparisons is needed. At the root the test is
+    Labels (or values, with their weights) are shuffled among scenes decided by the same leaf, so that what
+    the tree already explains stays explained. Each shuffle goes through the same search over all expansions;
+    the p-value is the share of shuffles, including the observed labels, with a best candidate as significant
+    as the observed one. No further correction for multiple comparisons is needed. At the root the test is
     exact; deeper down it is conditional on the tree so far.
 
     Shuffling stops as soon as significance is out of reach; the p-value returned is then a lower bound
@@ -60,21 +57,19 @@ def permutation_p(
     allowed = math.floor(settings.alpha * (settings.permutations + 1) + 1e-9) - 1
     as_good = 0
     for number in range(1, settings.permutations + 1):
-        shuffled = _shuffled(labels, at.assignment.winner, rng)
+        shuffled = target.permuted(_shuffled(at.assignment.winner, rng))
         with part(f"shuffle {number} of {settings.permutations}"):
-            null = best_candidate(questions, shuffled, at.relabelled(shuffled), settings, rng)
+            null = search.best(shuffled, at.retargeted(shuffled), rng)
         as_good += null is not None and null.beats(found)
         if as_good > allowed:
             break
     return (1 + as_good) / (1 + settings.permutations)
 
 
-def _shuffled(
-    labels: NDArray[np.bool_], groups: NDArray[np.int64], rng: np.random.Generator
-) -> NDArray[np.bool_]:
-    """Return the labels shuffled within each group."""
-    shuffled = labels.copy()
+def _shuffled(groups: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
+    """Return the positions of `groups`, shuffled within each group."""
+    order = np.arange(len(groups))
     for group in np.unique(groups):
         members = np.flatnonzero(groups == group)
-        shuffled[members] = rng.permutation(labels[members])
-    return shuffled
+        order[members] = rng.permutation(members)
+    return order

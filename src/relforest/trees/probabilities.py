@@ -1,4 +1,4 @@
-"""Leaf probabilities (Algorithm 4.2) and the likelihood they give (eq. 4.1)."""
+"""The values of leaves (Algorithm 4.2), by which they are also ordered."""
 
 from __future__ import annotations
 
@@ -12,120 +12,135 @@ from relforest.support.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_BELOW_PREVIOUS: Final = 1.0 - 1e-6
-_LEAST: Final = 1e-12
+BINARY: Final = 0
+CLASSES: Final = 1
+REAL: Final = 2
+
+_STEP: Final = 1e-6
+_BELOW_PREVIOUS: Final = 1.0 - _STEP
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Assignment:
-    """Probabilities of a tree's leaves.
+    """The values of a tree's leaves.
 
     Parameters
     ----------
-    probability : ndarray (n_leaves,)
-    counts : int64 ndarray (n_leaves, 2)
-        Negative and positive scenes that each leaf won.
+    value : ndarray (n_leaves,)
+        The probability of the positive class; for several classes the largest share of any but the common
+        one; or the mean of the standardised target.
+    sums : ndarray (n_leaves, k)
+        What the scenes that each leaf won add up to, see `Target.sums`.
     winner : int64 ndarray (n_scenes,)
         The leaf that decides each scene.
     log_likelihood : float
-        Logarithm of eq. 4.1 over all scenes.
-    """
-
-    probability: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    winner: NDArray[np.int64]
-    log_likelihood: float
-
-
-def assign(presence: NDArray[np.bool_], labels: NDArray[np.bool_]) -> Assignment:
-    """Assign leaf probabilities.
-
-    Parameters
-    ----------
-    presence : bool ndarray (n_leaves, n_scenes)
-        Whether any instantiation sequence of the scene arrives at the leaf. Every scene is present
-        somewhere.
-    labels : bool ndarray (n_scenes,)
-        True for positive scenes.
+        Logarithm of eq. 4.1 over all scenes, or of its counterpart for other targets.
 
     Notes
     -----
     Two points are left open by the source. A leaf assigned later is kept strictly below those assigned
-    before, so that the most probable leaf of a scene is the leaf that decided it in training. A leaf
-    without scenes gets the base rate, after all others and under the same bound: nothing was learned
-    there, so a scene that arrives later should be treated as average rather than as certain.
+    before, so that the highest leaf of a scene is the leaf that decided it in training. A leaf without
+    scenes gets the value of all scenes together, after all others and under the same bound: nothing was
+    learned there, so a scene that arrives later should be treated as average rather than as certain.
 
     References
     ----------
     Palmer (2015), Algorithm 4.2, eq. 4.1.
     """
-    probability, counts, winner = _assign(presence, labels)
-    bounded = np.clip(probability, _LEAST, 1.0 - _LEAST)
-    terms = counts[:, 1] * np.log(bounded) + counts[:, 0] * np.log1p(-bounded)
-    return Assignment(probability, counts, winner, float(terms.sum()))
+
+    value: NDArray[np.float64]
+    sums: NDArray[np.float64]
+    winner: NDArray[np.int64]
+    log_likelihood: float
 
 
 @kernel
-def _assign(
-    presence: NDArray[np.bool_], labels: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+def assigned(
+    presence: NDArray[np.bool_], sums: NDArray[np.float64], kind: int, common: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+    """Return the value, the sums and the winner of an `Assignment`."""
     n_leaves, n_scenes = presence.shape
-    probability = np.full(n_leaves, -1.0)
-    counts = np.zeros((n_leaves, 2), dtype=np.int64)
+    value = np.full(n_leaves, -np.inf)
+    won = np.zeros((n_leaves, sums.shape[1]))
     winner = np.full(n_scenes, -1, dtype=np.int64)
-    undecided = np.zeros((n_leaves, 2), dtype=np.int64)
-    for scene in range(n_scenes):
-        _count(presence, scene, int(labels[scene]), 1, undecided)
+    is_assigned = np.zeros(n_leaves, dtype=np.bool_)
     bound = np.inf
-    best = _most_probable(undecided, probability)
-    while best >= 0:
-        n_positive, n_present = undecided[best, 1], undecided[best, 0] + undecided[best, 1]
-        probability[best] = min(n_positive / n_present, bound)
-        bound = probability[best] * _BELOW_PREVIOUS
+    while True:
+        best, highest = _highest(presence, sums, (kind, common), winner, is_assigned, won)
+        if best < 0:
+            break
+        is_assigned[best] = True
+        value[best] = min(highest, bound)
+        bound = _below(value[best], kind)
         for scene in range(n_scenes):
             if presence[best, scene] and winner[scene] < 0:
                 winner[scene] = best
-                counts[best, int(labels[scene])] += 1
-                _count(presence, scene, int(labels[scene]), -1, undecided)
-        best = _most_probable(undecided, probability)
+    rest = won.sum(axis=0)
     for leaf in range(n_leaves):
-        if probability[leaf] < 0.0:
-            probability[leaf] = min(labels.mean(), bound)
-            bound = probability[leaf] * _BELOW_PREVIOUS
-    return probability, counts, winner
+        if not is_assigned[leaf]:
+            value[leaf] = min(value_of(rest, kind, common), bound)
+            bound = _below(value[leaf], kind)
+    return value, won, winner
 
 
 @kernel
-def _count(
-    presence: NDArray[np.bool_], scene: int, label: int, by: int, undecided: NDArray[np.int64]
-) -> None:
-    """Add `by` to the count (n_leaves, 2) of undecided scenes at each leaf where the scene is present."""
-    for leaf in range(presence.shape[0]):
-        if presence[leaf, scene]:
-            undecided[leaf, label] += by
+def _highest(
+    presence: NDArray[np.bool_],
+    sums: NDArray[np.float64],
+    criterion: tuple[int, int],
+    winner: NDArray[np.int64],
+    is_assigned: NDArray[np.bool_],
+    won: NDArray[np.float64],
+) -> tuple[int, float]:
+    """Return the unassigned leaf with the highest value by its undecided scenes, and that value; -1 if none.
 
-
-@kernel
-def _most_probable(undecided: NDArray[np.int64], probability: NDArray[np.float64]) -> int:
-    """Return the unassigned leaf with the largest share of positive undecided scenes, -1 if none."""
-    best, highest = -1, -1.0
-    for leaf in range(len(probability)):
-        total = undecided[leaf, 0] + undecided[leaf, 1]
-        if probability[leaf] < 0.0 and total > 0 and undecided[leaf, 1] / total > highest:
-            best, highest = leaf, undecided[leaf, 1] / total
-    return best
-
-
-def potential(
-    presence: NDArray[np.bool_], labels: NDArray[np.bool_], winner: NDArray[np.int64], leaf: int
-) -> float:
-    """Return the log likelihood if a question could separate a leaf's own positive scenes from all others.
-
-    The source asks for "the leaf with best potential to improve L" without giving a formula. Here the leaf
-    keeps the positive scenes it decides, and all other scenes present move to an imaginary leaf.
+    Their sums go to the leaf's row of `won`. They are added up anew every time: if they are not whole
+    numbers, differences would leave traces of what was taken away.
     """
-    own = (winner == leaf) & labels
-    imagined = np.vstack([presence, presence[leaf] & ~own])
-    imagined[leaf] = own
-    return assign(imagined, labels).log_likelihood
+    best, highest = -1, -np.inf
+    for leaf in range(len(presence)):
+        if is_assigned[leaf]:
+            continue
+        won[leaf] = 0.0
+        if _add_up(presence[leaf], winner, sums, won[leaf]) > 0:
+            here = value_of(won[leaf], criterion[0], criterion[1])
+            if here > highest:
+                best, highest = leaf, here
+    return best, highest
+
+
+@kernel
+def _add_up(
+    present: NDArray[np.bool_],
+    winner: NDArray[np.int64],
+    sums: NDArray[np.float64],
+    total: NDArray[np.float64],
+) -> int:
+    """Add up the undecided scenes that are present; how many there are."""
+    n = 0
+    for scene in range(len(present)):
+        if present[scene] and winner[scene] < 0:
+            n += 1
+            for k in range(len(total)):
+                total[k] += sums[scene, k]
+    return n
+
+
+@kernel
+def value_of(sums: NDArray[np.float64], kind: int, common: int) -> float:
+    """Return the value that orders a leaf with these sums."""
+    if kind == REAL:
+        return float(sums[1] / sums[0])
+    total, largest = 0.0, 0.0
+    for k in range(len(sums)):
+        total += sums[k]
+        if k != common:
+            largest = max(largest, sums[k])
+    return float(largest / total)
+
+
+@kernel
+def _below(value: float, kind: int) -> float:
+    """Return the largest value that a leaf assigned later may have."""
+    return float(value - _STEP if kind == REAL else value * _BELOW_PREVIOUS)

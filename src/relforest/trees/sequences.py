@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
+
+_TABLE: Final = 8
 
 
 @final
@@ -26,10 +28,13 @@ class Sequences:
         The scene of each sequence, ascending.
     objects : int64 ndarray (n, depth)
         The bound objects, by position in the scene; -1 = no object.
+    ratio : float
+        How many sequences each of them stands for on average: above 1, they are a sample of the leaf's.
     """
 
     scene: NDArray[np.int64]
     objects: NDArray[np.int64]
+    ratio: float = 1.0
 
     @classmethod
     def empty(cls, n_scenes: int) -> Sequences:
@@ -47,7 +52,7 @@ class Sequences:
 
     def where(self, kept: NDArray[np.bool_]) -> Sequences:
         """Return the sequences for which `kept` (n,) is true."""
-        return Sequences(self.scene[kept], self.objects[kept])
+        return Sequences(self.scene[kept], self.objects[kept], self.ratio)
 
     def extended(self, counts: NDArray[np.int64], arguments: NDArray[np.int64]) -> Sequences:
         """Return the sequences with one more variable bound.
@@ -61,23 +66,43 @@ class Sequences:
             to them (section 6.2); later ones to every object not yet in the sequence, or to "no
             object" if there is none.
         """
-        n = n_extensions(self.scene, self.objects, counts, arguments)
+        n = int(n_extensions(self.scene, self.objects, counts, arguments, 1))
         scene = np.empty(n, dtype=np.int64)
         objects = np.empty((n, self.depth + 1), dtype=np.int64)
         _extend((self.scene, self.objects), counts, arguments, scene, objects)
-        return Sequences(scene, objects)
+        return Sequences(scene, objects, self.ratio)
+
+    def drawn(
+        self,
+        counts: NDArray[np.int64],
+        arguments: NDArray[np.int64],
+        most: int,
+        rng: np.random.Generator,
+    ) -> Sequences:
+        """Return at most `most` sequences with one more variable bound (but at least one per scene).
+
+        Where there would be more, every scene may have the same number; of a scene with more than that,
+        one is drawn from each of so many equal parts of its sequences in order, so that each of them is
+        equally likely to be drawn.
+        """
+        n = n_extensions(self.scene, self.objects, counts, arguments, 1)
+        if n <= most:
+            return self.extended(counts, arguments)
+        n_scenes = len(np.unique(self.scene))
+        uniform = rng.random((n_scenes, max(most // n_scenes, 1)))
+        scene = np.empty(uniform.size, dtype=np.int64)
+        objects = np.empty((uniform.size, self.depth + 1), dtype=np.int64)
+        drawn = _draw((self.scene, self.objects), counts, arguments, uniform, scene, objects)
+        return Sequences(scene[:drawn], objects[:drawn], self.ratio * n / drawn)
 
     def distinct(self, variables: tuple[int, ...]) -> Sequences:
         """Return the distinct tuples of `variables` in each scene, in order of position."""
-        chosen = self.objects[:, variables]
         if len(variables) == self.depth:
-            return Sequences(self.scene, chosen)
-        base = int(chosen.max(initial=0)) + 2
-        keys = self.scene.copy()
-        for column in chosen.T:
-            keys = keys * base + (column + 1)
-        _, first = np.unique(keys, return_index=True)
-        return Sequences(self.scene[first], chosen[first])
+            return Sequences(self.scene, self.objects.take(variables, axis=1))
+        scene = np.empty(len(self), dtype=np.int64)
+        objects = np.empty((len(self), len(variables)), dtype=np.int64)
+        n = _distinct((self.scene, self.objects), np.array(variables, dtype=np.int64), scene, objects)
+        return Sequences(scene[:n], objects[:n])
 
 
 def argument_places(scenes: Scenes) -> NDArray[np.int64]:
@@ -102,17 +127,21 @@ def n_extensions(
     objects: NDArray[np.int64],
     counts: NDArray[np.int64],
     arguments: NDArray[np.int64],
-) -> int:
-    """How many sequences `Sequences.extended` would make."""
+    n_new: int,
+) -> float:
+    """How many sequences there are with `n_new` more variables: all arguments, or none of them."""
     depth = objects.shape[1]
     if depth < arguments.shape[1]:
-        return len(scene)
-    total = 0
+        return float(len(scene))
+    total = 0.0
     for i in range(len(scene)):
         free = counts[scene[i]]
         for j in range(depth):
             free -= _is_new(objects, i, j)
-        total += max(free, 1)
+        product = 1.0
+        for step in range(n_new):
+            product *= max(free - step, 1)
+        total += product
     return total
 
 
@@ -159,6 +188,113 @@ def _extend(
             new_scene[k] = scene[i]
             for j in range(depth):
                 new_objects[k, j] = objects[i, j]
+
+
+@kernel
+def _draw(
+    sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
+    counts: NDArray[np.int64],
+    arguments: NDArray[np.int64],
+    uniform: NDArray[np.float64],
+    new_scene: NDArray[np.int64],
+    new_objects: NDArray[np.int64],
+) -> int:
+    """Draw extensions with the numbers of a row of `uniform` for each scene; how many in all."""
+    scene, objects = sequences
+    depth = objects.shape[1]
+    n, begin, row = 0, 0, 0
+    while begin < len(scene):
+        end = begin
+        while end < len(scene) and scene[end] == scene[begin]:
+            end += 1
+        # All sequences of a scene bind equally many objects.
+        free = counts[scene[begin]]
+        for j in range(depth):
+            free -= _is_new(objects, begin, j)
+        choices = 1 if depth < arguments.shape[1] else max(free, 1)
+        total = (end - begin) * choices
+        size = min(total, uniform.shape[1])
+        for i in range(size):
+            chosen = i if size == total else min(int((i + uniform[row, i]) * (total / size)), total - 1)
+            source = begin + chosen // choices
+            for j in range(depth):
+                new_objects[n, j] = objects[source, j]
+            if depth < arguments.shape[1]:
+                new_objects[n, depth] = arguments[scene[begin], depth]
+            else:
+                new_objects[n, depth] = _free_object(objects[source], chosen % choices) if free > 0 else -1
+            new_scene[n] = scene[begin]
+            n += 1
+        begin = end
+        row += 1
+    return n
+
+
+@kernel
+def _free_object(bound: NDArray[np.int64], number: int) -> int:
+    """Return the object that has so many others before it, not counting those that are bound."""
+    place = -1
+    while number >= 0:
+        place += 1
+        is_free = True
+        for other in bound:
+            is_free &= other != place
+        number -= is_free
+    return place
+
+
+@kernel
+def _distinct(
+    sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
+    variables: NDArray[np.int64],
+    scene: NDArray[np.int64],
+    objects: NDArray[np.int64],
+) -> int:
+    """Write the distinct tuples of some variables into `scene` and `objects`; how many there are."""
+    arity, n, begin = len(variables), 0, 0
+    while begin < len(sequences[0]):
+        end = begin
+        while end < len(sequences[0]) and sequences[0][end] == sequences[0][begin]:
+            end += 1
+        base, keys = _distinct_keys(sequences[1][begin:end], variables)
+        for key in keys:
+            rest = key
+            scene[n] = sequences[0][begin]
+            for j in range(arity - 1, -1, -1):
+                objects[n, j] = rest % base - 1
+                rest //= base
+            n += 1
+        begin = end
+    return n
+
+
+@kernel
+def _distinct_keys(objects: NDArray[np.int64], variables: NDArray[np.int64]) -> tuple[int, NDArray[np.int64]]:
+    """Return the distinct tuples of one scene's sequences as ascending numbers, and their base."""
+    n, base = len(objects), 1
+    for i in range(n):
+        for variable in variables:
+            base = max(base, objects[i, variable] + 2)
+    keys = np.zeros(n, dtype=np.int64)
+    for i in range(n):
+        for variable in variables:
+            keys[i] = keys[i] * base + objects[i, variable] + 1
+    # A table of all numbers is faster than sorting, if it is not much longer than the list.
+    n_numbers = 1
+    for _ in variables:
+        n_numbers *= base
+    if n_numbers <= _TABLE * n:
+        seen = np.zeros(n_numbers, dtype=np.bool_)
+        for key in keys:
+            seen[key] = True
+        return base, np.flatnonzero(seen)
+    keys.sort()
+    kept = 0
+    for i in range(n):
+        if kept == 0 or keys[i] != keys[kept - 1]:
+            keys[kept] = keys[i]
+            kept += 1
+    return base, keys[:kept]
 
 
 @kernel

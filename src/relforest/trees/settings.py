@@ -8,6 +8,7 @@ from typing import Literal, final
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range, one_of
+from relforest.trees.search import SEARCHES, SearchName
 from relforest.volumes.settings import CovAggSettings
 
 Test = Literal["likelihood-ratio", "permutation"]
@@ -27,13 +28,18 @@ class TreeSettings:
         shuffled labels and keeps its level, at up to `permutations` times the cost.
     alpha : float
         Significance level.
+    search : {"screened", "exhaustive"}
+        How the best question is found, see `relforest.trees.search`. The source searches exhaustively. The
+        screened search tries every expansion on few scenes and the best of them on all.
     attempts : int
-        Tries for each expansion; covariant aggregation samples differently each time.
+        Tries for each expansion in the exhaustive search; covariant aggregation samples differently each
+        time. The screened search makes fewer, but corrects for as many comparisons.
     permutations : int
         Shuffles of the permutation test.
     max_points : int
-        Expansions with more instantiation sequences than this are left out and counted in
-        `Growth.n_left_out`.
+        Of expansions with more instantiation sequences than this, the screened search sees only a sample of
+        so many (`Growth.n_sampled`), and leaves out those with over a hundred times more; the exhaustive
+        search leaves all of them out (`Growth.n_left_out`).
     covagg : CovAggSettings
         Parameters of covariant aggregation.
 
@@ -44,6 +50,7 @@ class TreeSettings:
     """
 
     test: Test = "likelihood-ratio"
+    search: SearchName = "screened"
     alpha: float = 0.05
     attempts: int = 3
     permutations: int = 99
@@ -52,6 +59,7 @@ class TreeSettings:
 
     def __post_init__(self) -> None:
         one_of("test", self.test, ("likelihood-ratio", "permutation"))
+        one_of("search", self.search, tuple(SEARCHES))
         in_range("alpha", self.alpha, 0.0, 1.0, open_low=True, open_high=True)
         at_least("attempts", self.attempts, 1)
         at_least("permutations", self.permutations, 1)

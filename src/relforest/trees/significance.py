@@ -10,12 +10,13 @@ if TYPE_CHECKING:
     from relforest.mappings import Mapping
 
 
-def added_parameters(mapping: Mapping, *, has_errors: bool) -> int:
+def added_parameters(mapping: Mapping, *, has_errors: bool, n_values: int = 1) -> int:
     """Degrees of freedom that a question adds to a tree.
 
-    The volume's centre, its shape and size (on the circle just its width), and the probabilities of
-    one or two more leaves. The source gives no count; this is the natural one for a codomain of
-    dimension d, with instantiation nodes free.
+    The volume's centre, its shape and size (on the circle just its width), and the probabilities of one or
+    two more leaves (`n_values` each, which is one, or for several classes one less than there are). The
+    source gives no count; this is the natural one for a codomain of dimension d, with instantiation nodes
+    free.
 
     Examples
     --------
@@ -26,7 +27,7 @@ def added_parameters(mapping: Mapping, *, has_errors: bool) -> int:
     """
     dim = mapping.dim
     shape = 1 if mapping.space == "circle" else dim * (dim + 1) // 2
-    return dim + shape + (2 if has_errors else 1)
+    return dim + shape + (2 if has_errors else 1) * n_values
 
 
 def likelihood_ratio_p(gain: float, n_parameters: int) -> float:

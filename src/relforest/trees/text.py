@@ -4,8 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from relforest.support.numerals import ends, probability, vector
-from relforest.trees.nodes import ANSWERS, Instantiation, Leaf, Node, Question, variable_name
+from relforest.support.numerals import ends, vector
+from relforest.trees.nodes import (
+    ANSWERS,
+    ClassLeaf,
+    Instantiation,
+    Leaf,
+    MeanLeaf,
+    Node,
+    Question,
+    counted,
+    variable_name,
+)
 from relforest.trees.places import SIDES, place
 from relforest.trees.regions import interval, region, span
 from relforest.volumes import Arc
@@ -77,7 +87,7 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, other: str | None = "LA
     questions = [node for node in nodes if isinstance(node, Question)]
     n_leaves = sum(isinstance(node, Leaf) for node in nodes)
     lines = [
-        f"SMRF tree with {_counted(len(questions), 'question')} and {_counted(n_leaves, 'leaf', 'leaves')}"
+        f"SMRF tree with {counted(len(questions), 'question')} and {counted(n_leaves, 'leaf', 'leaves')}"
     ]
     lines += _lines(schema, nodes)
     leads = [_statement(question).lead for question in questions]
@@ -107,9 +117,8 @@ def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
 
 
 def leaf_summary(leaf: Leaf) -> str:
-    """Return the probability and the training counts of a leaf."""
-    total = leaf.negatives + leaf.positives
-    return f"{probability(leaf.probability)}  ({leaf.positives} of {_counted(total, 'scene')} positive)"
+    """Return what a leaf predicts, and its training counts."""
+    return leaf.summary
 
 
 def fresh_variables(schema: Schema, n_bound: int, n_new: int) -> tuple[int, ...]:
@@ -123,6 +132,8 @@ def _sole_prediction(nodes: tuple[Node, ...]) -> bool | None:
     Leaves that decided no training scene count only if none decided any.
     """
     leaves = [node for node in nodes if isinstance(node, Leaf)]
+    if any(isinstance(leaf, (MeanLeaf, ClassLeaf)) for leaf in leaves):
+        return None
     tried = [leaf for leaf in leaves if leaf.negatives + leaf.positives] or leaves
     predictions = {leaf.probability >= 0.5 for leaf in tried}
     return predictions.pop() if len(predictions) == 1 else None
@@ -242,7 +253,3 @@ def _difference(volume: Volume, reference: str) -> str:
 def _with_article(name: str) -> str:
     # By how the letter is spoken: an A, a B, an F.
     return f"{'an' if name in _SPOKEN_WITH_VOWEL else 'a'} {name}"
-
-
-def _counted(count: int, noun: str, plural: str | None = None) -> str:
-    return f"{count} {noun if count == 1 else plural or noun + 's'}"

@@ -9,9 +9,10 @@ import numpy as np
 
 from relforest.scenes import Schema
 from relforest.support.documents import well_formed
+from relforest.support.errors import InputError
 from relforest.support.files import check_document
 from relforest.trees.node_json import node_from_dict, node_to_dict
-from relforest.trees.nodes import Instantiation, Leaf, Node, Question, shifted
+from relforest.trees.nodes import ClassLeaf, Instantiation, Leaf, Node, Question, shifted
 from relforest.trees.packing import PackedTree, pack
 from relforest.trees.structure import check_counts, check_structure
 from relforest.trees.text import describe
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 FORMAT: Final = "relforest-tree"
-VERSION: Final = 1
+VERSION: Final = 2
+"""The newest version; trees of two classes are still written as version 1, which older releases read."""
 
 
 @final
@@ -41,8 +43,8 @@ class Tree:
     Raises
     ------
     InputError
-        If the nodes do not form a tree in that order, the tree is too large, or a question uses an unbound
-        variable.
+        If the nodes do not form a tree in that order, the tree is too large, a question uses an unbound
+        variable, or leaves are of several kinds.
 
     References
     ----------
@@ -63,6 +65,9 @@ class Tree:
     def __post_init__(self) -> None:
         bound, above = check_structure(self.schema, self.nodes)
         leaves = tuple(i for i, node in enumerate(self.nodes) if isinstance(node, Leaf))
+        kinds = {_kind(self.nodes[leaf]) for leaf in leaves}
+        if len(kinds) > 1:
+            raise InputError("the leaves of a tree must be of one kind, and have the same number of classes")
         object.__setattr__(self, "leaves", leaves)
         object.__setattr__(self, "questions_above", tuple(above[leaf] for leaf in leaves))
         object.__setattr__(self, "n_bound", tuple(bound))
@@ -95,7 +100,7 @@ class Tree:
 
     @property
     def leaf_probabilities(self) -> NDArray[np.float64]:
-        """Probability of each leaf, (n_leaves,)."""
+        """Probability of each leaf (for real targets the mean), (n_leaves,)."""
         return np.array([node.probability for node in self.nodes if isinstance(node, Leaf)])
 
     def with_leaves(self, leaves: Sequence[Leaf]) -> Tree:
@@ -135,7 +140,7 @@ class Tree:
         """Return the JSON form, with format name and version."""
         return {
             "format": FORMAT,
-            "version": VERSION,
+            "version": 1 if type(self.nodes[self.leaves[0]]) is Leaf else VERSION,
             "schema": self.schema.to_dict(),
             "nodes": [node_to_dict(node) for node in self.nodes],
         }
@@ -155,3 +160,7 @@ class Tree:
             schema = Schema.from_dict(checked["schema"])
             attributes = {attribute.name: attribute for attribute in schema.attributes}
             return cls(schema, tuple(node_from_dict(node, attributes) for node in checked["nodes"]))
+
+
+def _kind(leaf: Node) -> tuple[type[Node], int]:
+    return type(leaf), len(leaf.shares) if isinstance(leaf, ClassLeaf) else 0

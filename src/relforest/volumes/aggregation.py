@@ -8,7 +8,7 @@ import numpy as np
 
 from relforest.support.jit import kernel
 from relforest.volumes.bag_layout import SlotMajor
-from relforest.volumes.cuts import Buckets, best_cut, new_buckets, radius_at
+from relforest.volumes.cuts import Buckets, best_cut, best_weighted_cut, new_buckets, radius_at
 from relforest.volumes.low_rank import low_rank_distances, low_rank_nearest
 from relforest.volumes.models import (
     BEST,
@@ -193,7 +193,10 @@ def _try(
     if not scale > 0.0:
         scale = squared.mean() + np.finfo(np.float64).tiny
     objective = (problem.objective, problem.table)
-    score, edge = best_cut(squared, bags.weights, objective, scale, floor, buckets)
+    if bags.evidence.shape[1] > 0:
+        score, edge = best_weighted_cut(squared, bags.evidence, problem.objective, floor)
+    else:
+        score, edge = best_cut(squared, bags.weights, objective, scale, floor, buckets)
     models.numbers[TRIAL, SCORE] = score
     models.numbers[TRIAL, EDGE] = edge
 

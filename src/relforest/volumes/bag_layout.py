@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+_NONE: Final = np.empty((0, 2))
 
 
 class SlotMajor(NamedTuple):
@@ -22,35 +25,58 @@ class SlotMajor(NamedTuple):
     points: NDArray[np.float64]  # (d, n_points), instance j of bag i in column offsets[j] + i
     offsets: NDArray[np.int64]  # (n_slots + 1,), slot j ends where slot j + 1 begins
     weights: NDArray[np.int64]  # (n_bags,) 2**32 for positive bags, 1 for negative ones
+    evidence: NDArray[np.float64]  # (2, n_bags) see `aggregate`; (2, 0) if there is none
 
 
 def slot_major(
-    points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_]
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    evidence: NDArray[np.float64] = _NONE,
 ) -> tuple[SlotMajor, NDArray[np.int64]]:
     """Rearrange instances (n_points, d), grouped by bag from `starts` (n_bags + 1,).
 
     Returns the layout and its numbers of the positive bags, in the caller's order.
     """
-    bag_sizes = np.diff(starts)
-    order = np.argsort(-bag_sizes, kind="stable")
-    descending = bag_sizes[order]
-    slot_sizes = np.searchsorted(-descending, -np.arange(descending[0]), side="left")
-    offsets = np.zeros(len(slot_sizes) + 1, dtype=np.int64)
-    np.cumsum(slot_sizes, out=offsets[1:])
-    arranged = np.empty((points.shape[1], len(points)))
-    _arrange(points, starts[order], offsets, arranged)
-    layout = SlotMajor(arranged, offsets, np.where(labels[order], 2**32, 1))
-    return layout, np.argsort(order)[labels]
+    return _layout(points, starts, labels, evidence)
 
 
 @kernel
-def _arrange(
+def _layout(
     points: NDArray[np.float64],
-    first: NDArray[np.int64],
-    offsets: NDArray[np.int64],
-    arranged: NDArray[np.float64],
-) -> None:
-    for slot in range(len(offsets) - 1):
-        for bag in range(offsets[slot + 1] - offsets[slot]):
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    evidence: NDArray[np.float64],
+) -> tuple[SlotMajor, NDArray[np.int64]]:
+    n_bags, n_slots = len(labels), 0
+    for bag in range(n_bags):
+        n_slots = max(n_slots, starts[bag + 1] - starts[bag])
+    # How many bags have more than j instances is the size of slot j, and where smaller bags come in order.
+    offsets = np.zeros(n_slots + 1, dtype=np.int64)
+    sizes = np.zeros(n_slots + 1, dtype=np.int64)
+    for bag in range(n_bags):
+        sizes[starts[bag + 1] - starts[bag] - 1] += 1
+    for slot in range(n_slots - 1, -1, -1):
+        sizes[slot] += sizes[slot + 1]
+    for slot in range(n_slots):
+        offsets[slot + 1] = offsets[slot] + sizes[slot]
+    arranged = np.empty((points.shape[1], len(points)))
+    weights = np.empty(n_bags, dtype=np.int64)
+    positives = np.empty(np.count_nonzero(labels), dtype=np.int64)
+    own_evidence = np.empty((2, len(evidence)))
+    next_place = sizes[1:].copy()
+    n_positive = 0
+    for bag in range(n_bags):
+        size = starts[bag + 1] - starts[bag]
+        place = next_place[size - 1]
+        next_place[size - 1] += 1
+        weights[place] = 2**32 if labels[bag] else 1
+        if labels[bag]:
+            positives[n_positive] = place
+            n_positive += 1
+        for i in range(2 if len(evidence) > 0 else 0):
+            own_evidence[i, place] = evidence[bag, i]
+        for slot in range(size):
             for i in range(points.shape[1]):
-                arranged[i, offsets[slot] + bag] = points[first[bag] + slot, i]
+                arranged[i, offsets[slot] + place] = points[starts[bag] + slot, i]
+    return SlotMajor(arranged, offsets, weights, own_evidence), positives

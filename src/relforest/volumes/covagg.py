@@ -9,14 +9,14 @@ import numpy as np
 
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
-from relforest.volumes.aggregation import Problem, aggregate_keys
+from relforest.volumes.aggregation import Found, Problem, aggregate_keys
 from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
 from relforest.volumes.conditioning import condition
 from relforest.volumes.ellipsoid import Ellipsoid
 from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
-from relforest.volumes.objectives import OBJECTIVES, Objective, entropy_table
-from relforest.volumes.principal_axes import principal_axes
+from relforest.volumes.objectives import OBJECTIVES, WEIGHTED, Objective, entropy_table
+from relforest.volumes.principal_axes import PrincipalAxes, principal_axes
 from relforest.volumes.settings import CovAggSettings
 from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
 
@@ -59,6 +59,7 @@ def aggregate(
     rng: np.random.Generator,
     space: Literal["euclidean", "circle"] = "euclidean",
     objective: Objective = "accuracy",
+    evidence: NDArray[np.float64] | None = None,
     settings: CovAggSettings = _DEFAULT,
 ) -> Aggregation | None:
     """Learn the decision volume that best separates positive from negative bags.
@@ -75,6 +76,10 @@ def aggregate(
         Random source for sampling bags.
     space, objective, settings
         The space of the points, the objective that scores a volume, and the parameters.
+    evidence : ndarray (n_bags, 2), optional
+        What each bag weighs as a negative and as a positive one ("weighted-log-likelihood"), or its weight,
+        and its weight times its value ("squared-error"). Required by these two, unused by the others. Bags
+        labelled positive are those that a volume is built from.
 
     Returns
     -------
@@ -101,10 +106,65 @@ def aggregate(
     circular = one_of("space", space, ("euclidean", "circle")) == "circle"
     one_of("objective", objective, tuple(OBJECTIVES))
     _check(points, starts, labels, circular=circular)
+    if (evidence is not None) != (OBJECTIVES[objective] >= WEIGHTED):
+        msg = f"objective {objective!r} {'needs' if evidence is None else 'takes no'} evidence"
+        raise InputError(msg)
+    if evidence is not None and not (evidence.shape == (len(labels), 2) and np.isfinite(evidence).all()):
+        msg = f"evidence must be two finite numbers for each of {len(labels)} bags, got {evidence.shape}"
+        raise InputError(msg)
+    searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
+    if searched is None:
+        return None
+    found, prior, axes = searched
+    models = found.models
+    score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
+    if score == -np.inf:
+        return None
+    if circular:
+        in_positive = np.repeat(labels, np.diff(starts))
+        kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
+        volume: Volume = Arc(float(models.centres[BEST, 0]), found.radius, kappa)
+    else:
+        mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
+        condition(covariance, settings.max_condition)
+        if axes is not None:
+            mean, covariance = axes.back(mean, covariance)
+        volume = Ellipsoid(mean, covariance, found.radius, n_keys, float(settings.prior_weight))
+    return Aggregation(volume, score, found.n_models)
+
+
+def best_score(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    labels: NDArray[np.bool_],
+    *,
+    rng: np.random.Generator,
+    space: Literal["euclidean", "circle"],
+    objective: Objective,
+    evidence: NDArray[np.float64] | None,
+    settings: CovAggSettings,
+) -> float:
+    """Return the score that `aggregate` would reach, minus infinity for None, without checks or a volume."""
+    circular = space == "circle"
+    searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
+    return -np.inf if searched is None else float(searched[0].models.numbers[BEST, SCORE])
+
+
+def _search(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    known: tuple[NDArray[np.bool_], NDArray[np.float64] | None],
+    rng: np.random.Generator,
+    circular: bool,  # noqa: FBT001
+    objective: Objective,
+    settings: CovAggSettings,
+) -> tuple[Found, NDArray[np.float64], PrincipalAxes | None] | None:
+    """Run the compiled loop on bags with these labels and evidence; None without positive bags."""
+    labels, evidence = known
     n_positive = int(np.count_nonzero(labels))
     if n_positive == 0:
         return None
-    in_positive = np.repeat(labels, np.diff(starts))
+    in_positive = np.repeat(labels, starts[1:] - starts[:-1])
     axes = principal_axes(points, in_positive) if points.shape[1] > FEW_DIMENSIONS else None
     if axes is None:
         prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
@@ -116,21 +176,11 @@ def aggregate(
     problem = Problem(code, OBJECTIVES[objective], prior, float(settings.max_condition), table, plan)
     most_sampled = min(settings.sampled, n_positive)
     draws = rng.random(min(settings.restarts, n_positive) * (1 + most_sampled * n_positive))
-    layout, positives = slot_major(points, starts, labels)
-    models, radius, n_models = aggregate_keys(layout, positives, problem, draws)
-    score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
-    if score == -np.inf:
-        return None
-    if circular:
-        kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
-        volume: Volume = Arc(float(models.centres[BEST, 0]), radius, kappa)
+    if evidence is None:
+        layout, positives = slot_major(points, starts, labels)
     else:
-        mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
-        condition(covariance, settings.max_condition)
-        if axes is not None:
-            mean, covariance = axes.back(mean, covariance)
-        volume = Ellipsoid(mean, covariance, radius, n_keys, float(settings.prior_weight))
-    return Aggregation(volume, score, n_models)
+        layout, positives = slot_major(points, starts, labels, evidence)
+    return aggregate_keys(layout, positives, problem, draws), prior, axes
 
 
 def _check(

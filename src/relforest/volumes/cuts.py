@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from relforest.support.jit import kernel
-from relforest.volumes.objectives import score_counts
+from relforest.volumes.objectives import score_counts, score_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -204,6 +204,26 @@ def _sort_bucket(k: int, squared: NDArray[np.float64], buckets: Buckets) -> int:
         count += 1
         bag = buckets.bags[_NEXT, bag]
     return count
+
+
+@kernel
+def best_weighted_cut(
+    squared: NDArray[np.float64], evidence: NDArray[np.float64], objective: int, floor: float
+) -> tuple[float, float]:
+    """Best score and edge as `best_cut` returns them, of bags that weigh `evidence` (2, n_bags)."""
+    order = np.argsort(squared)
+    totals = (evidence[0].sum(), evidence[1].sum())
+    first, second = 0.0, 0.0
+    best, edge = floor, -np.inf
+    for i in range(len(order) - 1):
+        first += evidence[0, order[i]]
+        second += evidence[1, order[i]]
+        if squared[order[i + 1]] == squared[order[i]]:
+            continue
+        score = score_sums(objective, (first, second), totals)
+        if score > best:
+            best, edge = score, squared[order[i]]
+    return (best, edge) if best > floor else (-np.inf, -np.inf)
 
 
 @kernel
