@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from sklearn.model_selection import cross_val_score
 
 from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, SMRFTreeRegressor, Tree
 from relforest.support.errors import InputError, ModelFormatError
@@ -81,7 +80,7 @@ def test_three_classes(search: Any) -> None:
 
 
 def test_a_relation_is_explained_by_regression() -> None:
-    train, test = near_and_far(3, 120, 0), near_and_far(6, 60, 1)
+    train, test = near_and_far(3, 50, 0), near_and_far(6, 40, 1)
     model = SMRFTreeRegressor(attempts=1, random_state=0).fit(train, -nearest(train))
 
     assert not model.tree_.is_stub
@@ -97,7 +96,6 @@ def test_a_relation_is_explained_by_regression() -> None:
     assert "one class" not in str(tree)
     explanation = str(model.explain(train)[0])
     assert explanation.startswith("scene 0: mean -")
-    assert cross_val_score(SMRFTreeRegressor(random_state=0), train, -nearest(train), cv=2).mean() > 0
 
 
 def test_regression_refuses_noise() -> None:
@@ -113,7 +111,7 @@ def test_regression_refuses_noise() -> None:
 
 
 def test_units_of_the_target_do_not_matter() -> None:
-    train = near_and_far(3, 60, 0)
+    train = near_and_far(3, 30, 0)
     y = -nearest(train)
     one, other = (SMRFTreeRegressor(random_state=0).fit(train, each) for each in (y, 1e6 + 1e3 * y))
 

@@ -98,7 +98,7 @@ class FitOptions:
     alpha
         Significance level.
     attempts
-        Tries for each possible question in the exhaustive search.
+        Tries for each possible question (in the screened search for the best of them).
     permutations
         Shuffles of the permutation test.
     max_points

@@ -119,8 +119,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     alpha : float, default 0.05
         Significance level.
     attempts : int, default 3
-        Number of attempts at each possible question in the exhaustive search. The screened search makes
-        fewer, but corrects for as many comparisons.
+        Number of attempts at each possible question (in the screened search at the best of them).
     permutations : int, default 99
         Number of permutations in the permutation test.
     max_points : int, default 100_000
@@ -170,7 +169,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     >>> model = SMRFTreeClassifier(random_state=0).fit(scenes, close)
     >>> print(model.tree_)
     SMRF tree with 1 question and 3 leaves
-    there are A and B such that B is between 0.199 and 3.07 from A
+    there are A and B such that B is between 0.256 and 3.07 from A
         yes: 1.00  (36 of 36 scenes positive)
         no: 0.00  (0 of 24 scenes positive)
     """
@@ -272,8 +271,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     alpha : float, default 0.05
         Significance level.
     attempts : int, default 3
-        Number of attempts at each possible question in the exhaustive search. The screened search makes
-        fewer, but corrects for as many comparisons.
+        Number of attempts at each possible question (in the screened search at the best of them).
     permutations : int, default 99
         Number of permutations in the permutation test.
     max_points : int, default 100_000

@@ -133,7 +133,7 @@ class Screened:
     possible. A question whose scenes all hold the same points cannot separate anything, and is skipped. What
     counts is the p-value of the gain in log likelihood that the volume has on the scenes drawn, extrapolated
     to all that arrive. The correction for multiple comparisons counts every question `attempts` times as in
-    the exhaustive search, so the level is, if anything, kept better.
+    the exhaustive search, although only the best are tried so often.
 
     Parameters
     ----------
@@ -188,7 +188,8 @@ class _ScreenedLeaf:
         best: Candidate | None = None
         for expansion in promising:
             question = PreparedQuestion(self.arrivals.scenes, expansion, self.full[expansion.n_new])
-            best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
+            for _ in range(self.settings.attempts):
+                best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
         if best is None:
             return None
         if best.question.sequences.ratio > 1.0:

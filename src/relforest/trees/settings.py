@@ -32,8 +32,8 @@ class TreeSettings:
         How the best question is found, see `relforest.trees.search`. The source searches exhaustively. The
         screened search tries every expansion on few scenes and the best of them on all.
     attempts : int
-        Tries for each expansion in the exhaustive search; covariant aggregation samples differently each
-        time. The screened search makes fewer, but corrects for as many comparisons.
+        Tries for each expansion (in the screened search for the best of them, but it corrects for as many
+        comparisons); covariant aggregation samples differently each time.
     permutations : int
         Shuffles of the permutation test.
     max_points : int
