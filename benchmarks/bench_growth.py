@@ -29,7 +29,7 @@ from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout, world_of
 from relforest.support.parallel import one_blas_thread
 from relforest.trees import TreeSettings, grow, query
-from relforest.trees.search import SearchName
+from relforest.trees.settings import SearchName
 
 GAMES = ((3, 2, 20.0), (4, 3, 25.0))
 """Keepers, takers, and the side of the field in metres."""

@@ -66,7 +66,7 @@ def run() -> Table:
     tree = example_tree(error_probability=0.1)
     with TemporaryDirectory() as place:
         folder = Path(place)
-        write_model(folder / "model.json", Model(tree, "label", (False, True), columns))
+        write_model(folder / "model.json", Model(tree, "tree", "label", (False, True), columns))
         for n_scenes in SCENES:
             write_scenes(folder / f"{n_scenes}", n_scenes)
             source, out = folder / f"{n_scenes}", folder / f"out-{n_scenes}"

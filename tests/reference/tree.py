@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes import Scenes
-from relforest.trees import Instantiation, Leaf, Question, Tree
+from relforest.trees import Instantiation, Question, Tree
+from relforest.trees.nodes import AnyLeaf
 from relforest.volumes import Arc, Ellipsoid
 
 Floats = NDArray[np.float64]
@@ -85,7 +86,7 @@ def sequences_at_leaves(tree: Tree, scenes: Scenes, scene: int) -> dict[int, Arr
         if not len(arrivals.objects):
             return
         node = tree.nodes[index]
-        if isinstance(node, Leaf):
+        if isinstance(node, AnyLeaf):
             at_leaves[index] = arrivals
         elif isinstance(node, Instantiation):
             visit(node.child, _bind_next(scenes, scene, arrivals))
@@ -108,7 +109,7 @@ class QuestionAnswer:
 
 def _probability(tree: Tree, index: int) -> float:
     leaf = tree.nodes[index]
-    assert isinstance(leaf, Leaf)
+    assert isinstance(leaf, AnyLeaf)
     return leaf.probability
 
 

@@ -11,8 +11,9 @@ from relforest.scenes import Scenes
 from relforest.trees import Leaf, Tree, TreeSettings
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf, PreparedQuestion
 from relforest.trees.criterion import Target
-from relforest.trees.search import SEARCHES, Exhaustive, Screened, SearchName, stratified
+from relforest.trees.search import SEARCHES, Exhaustive, Screened, stratified
 from relforest.trees.sequences import Sequences, argument_places
+from relforest.trees.settings import SearchName
 from relforest.trees.structure import MAX_VARIABLES
 from small_trees import NOWHERE, Place, plane, scenes_in
 

@@ -13,8 +13,7 @@ from relforest.cli.early_checks import naming_options
 from relforest.rl.peers.settings import SarsaSettings
 from relforest.rl.settings import FeatureMode, RPISettings
 from relforest.support.options import in_range
-from relforest.trees.search import SearchName
-from relforest.trees.settings import Test
+from relforest.trees.settings import SearchName, Test
 
 
 def _default(value: object, metavar: str | None = None) -> Any:  # noqa: ANN401 - Tyro's annotation

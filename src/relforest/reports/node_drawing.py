@@ -17,8 +17,8 @@ from relforest.reports.text_size import line_height, shortened, text_width, wrap
 from relforest.reports.tree_layout import Box, Layout, Size
 from relforest.reports.tree_path import TreePath, introduced
 from relforest.support.numerals import probability
-from relforest.trees import Instantiation, Leaf, Question, Tree
-from relforest.trees.nodes import ANSWERS, variable_name
+from relforest.trees import Instantiation, Question, Tree
+from relforest.trees.nodes import ANSWERS, AnyLeaf, Node, variable_name
 from relforest.trees.text import sentence
 
 _QUESTION_WIDTH: Final = 2.5
@@ -57,7 +57,7 @@ def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) 
     for index, node in enumerate(tree.nodes):
         if isinstance(node, Question):
             texts.append(_question_text(names[index], node, new[index]))
-        elif isinstance(node, Leaf):
+        elif isinstance(node, AnyLeaf):
             texts.append(_leaf_text(tree.leaves.index(index), node))
         else:
             on_path = path if path is not None and index in path.nodes else None
@@ -93,7 +93,7 @@ def _question_text(name: str, question: Question, fresh: tuple[int, ...]) -> Nod
     return NodeText(shortened(tag, width - 2 * _PADDING, _SMALL), tuple(lines), (width, height))
 
 
-def _leaf_text(ordinal: int, leaf: Leaf) -> NodeText:
+def _leaf_text(ordinal: int, leaf: AnyLeaf) -> NodeText:
     total = leaf.negatives + leaf.positives
     counts = f"{leaf.positives} of {total}" if total else "no scenes"
     width = max(_LEAF_WIDTH, text_width(counts, _TEXT) + 2 * _PADDING)
@@ -116,11 +116,9 @@ def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:
     return NodeText("", (text,), size)
 
 
-def _draw_node(
-    axes: Axes, node: Leaf | Instantiation | Question, text: NodeText, box: Box, *, lit: bool
-) -> None:
+def _draw_node(axes: Axes, node: Node, text: NodeText, box: Box, *, lit: bool) -> None:
     corner, size = (box.left, box.top), (box.right - box.left, box.bottom - box.top)
-    if isinstance(node, Leaf):
+    if isinstance(node, AnyLeaf):
         seen = node.negatives + node.positives > 0
         fill = probability_color(node.probability) if seen else PAPER
         _add(axes, Rectangle(corner, *size, facecolor=fill, linestyle="-" if seen else ":"), lit=lit)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
-from relforest.trees import Instantiation, Leaf, Question, Tree
+from relforest.trees import Instantiation, Question, Tree
+from relforest.trees.nodes import AnyLeaf
 from relforest.trees.sequences import Sequences, argument_places, n_extensions, rows_of
 from relforest.volumes import Volume
 
@@ -74,7 +75,7 @@ def question_points(tree: Tree, scenes: Scenes, labels: NDArray[np.bool_]) -> di
         If the scenes have a different schema, or the number of labels is wrong.
     """
     if scenes.schema != tree.schema:
-        raise InputError(f"the tree is for scenes with {tree.schema}, these have {scenes.schema}")
+        raise InputError(f"the model is for scenes with {tree.schema}, these have {scenes.schema}")
     if labels.shape != (len(scenes),):
         raise InputError(f"expected one label per scene, got {labels.shape} for {len(scenes)} scenes")
     return {
@@ -91,7 +92,7 @@ def _visit(
     while stack:
         index, sequences = stack.pop()
         node = tree.nodes[index]
-        if isinstance(node, Leaf):
+        if isinstance(node, AnyLeaf):
             continue
         if isinstance(node, Instantiation):
             stack.append((node.child, _extended(sequences, scenes, places)))

@@ -12,8 +12,8 @@ from relforest.scenes import Scenes
 from relforest.scenes.ids import plain
 from relforest.support.errors import InputError
 from relforest.support.numerals import probability
-from relforest.trees import Instantiation, Leaf, Question, Tree, query
-from relforest.trees.nodes import ANSWERS, children, variable_name
+from relforest.trees import Instantiation, Question, Tree, query
+from relforest.trees.nodes import ANSWERS, AnyLeaf, children, variable_name
 from relforest.trees.text import fresh_variables, leaf_summary, sentence
 
 
@@ -108,7 +108,7 @@ def path_in_words(tree: Tree, path: TreePath) -> str:
                 below = (node.yes, node.no, node.error)
                 answer = ANSWERS[below.index(path.nodes[place + 1])]
                 lines.append(f"    {sentence(node, new[index])} -> {answer}")
-            case Leaf() as leaf:
+            case AnyLeaf() as leaf:
                 lines.append(f"    {leaf_summary(leaf)}")
             case Instantiation():
                 continue

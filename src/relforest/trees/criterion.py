@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import xlogy
 
 from relforest.support.errors import InputError
-from relforest.trees.nodes import ClassLeaf, Leaf, MeanLeaf
+from relforest.trees.nodes import AnyLeaf, ClassLeaf, Leaf, MeanLeaf
 from relforest.trees.probabilities import BINARY, CLASSES, REAL, Assignment, assigned
 
 if TYPE_CHECKING:
@@ -231,7 +231,7 @@ class Target:
         explained = min((score - total * total / weight) / spread, 1.0 - _LEAST_VARIANCE)
         return float(-0.5 * weight * np.log1p(-explained))
 
-    def leaves(self, assignment: Assignment) -> list[Leaf]:
+    def leaves(self, assignment: Assignment) -> list[AnyLeaf]:
         """Return the leaves with their values in the units of the target, and the scenes that they decide."""
         n_leaves, n_strata = len(assignment.value), max(self.sums.shape[1], 2)
         scenes = np.zeros((n_leaves, n_strata), dtype=np.int64)
@@ -244,7 +244,7 @@ class Target:
         if self.kind == REAL:
             return [self._mean_leaf(i, assignment, int(scenes[i].sum())) for i in range(n_leaves)]
         rest = self.sums.sum(axis=0)
-        leaves: list[Leaf] = []
+        leaves: list[AnyLeaf] = []
         for i in range(n_leaves):
             own = assignment.sums[i] if scenes[i].any() else rest
             shares = tuple((own / own.sum()).tolist())
@@ -253,7 +253,7 @@ class Target:
             leaves.append(ClassLeaf(value, common, sum(counts) - common, shares, counts))
         return leaves
 
-    def _mean_leaf(self, leaf: int, assignment: Assignment, n: int) -> Leaf:
+    def _mean_leaf(self, leaf: int, assignment: Assignment, n: int) -> AnyLeaf:
         mean, unit = self.scale
         weight, total, squares = assignment.sums[leaf].tolist()
         variance = max(squares / weight - (total / weight) ** 2, 0.0) if n else 1.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
@@ -21,8 +22,7 @@ from relforest.trees.criterion import Target
 from relforest.trees.growth import grow
 from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
-from relforest.trees.search import SearchName
-from relforest.trees.settings import Test, TreeSettings
+from relforest.trees.settings import SearchName, Test, TreeSettings
 from relforest.trees.weights import ClassWeight, class_weights, scene_weights
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class Explanation:
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
-class _SceneTree(BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
     """What the estimators share; subclasses have the options of `TreeSettings` and a few of their own."""
 
     def _grow(self, scenes: Scenes, target: Target, weights: NDArray[np.float64] | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, final
 
@@ -13,14 +14,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Leaf:
-    """The end of a branch, with the probability of the target concept.
+class AnyLeaf(ABC):
+    """The end of a branch.
 
     Parameters
     ----------
     probability : float
-        Probability that a scene is positive if its best instantiation sequence arrives here. Of all leaves
-        that a scene reaches, the one where this is highest decides.
+        Of all leaves that a scene reaches, the one where this is highest decides.
     negatives, positives : int
         Training scenes decided by this leaf, by label.
     """
@@ -28,6 +28,20 @@ class Leaf:
     probability: float
     negatives: int
     positives: int
+
+    @property
+    @abstractmethod
+    def summary(self) -> str:
+        """What the leaf predicts and the training counts, in words."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Leaf(AnyLeaf):
+    """The end of a branch of a tree for two classes.
+
+    `probability` is the probability that a scene is positive if its best instantiation sequence arrives here.
+    """
 
     @property
     def summary(self) -> str:
@@ -38,7 +52,7 @@ class Leaf:
 
 @final
 @dataclass(frozen=True, slots=True)
-class MeanLeaf(Leaf):
+class MeanLeaf(AnyLeaf):
     """The end of a branch of a tree for real targets: `probability` is the mean, no scene is negative.
 
     Parameters
@@ -58,7 +72,7 @@ class MeanLeaf(Leaf):
 
 @final
 @dataclass(frozen=True, slots=True)
-class ClassLeaf(Leaf):
+class ClassLeaf(AnyLeaf):
     """The end of a branch of a tree for several classes.
 
     `probability` is the largest share of any class but the most common one, less a little where a leaf that
@@ -126,7 +140,7 @@ class Question:
     error: int
 
 
-Node = Leaf | Instantiation | Question
+Node = Leaf | MeanLeaf | ClassLeaf | Instantiation | Question
 
 ANSWERS: Final = ("yes", "no", "error")
 
@@ -134,7 +148,7 @@ ANSWERS: Final = ("yes", "no", "error")
 def children(node: Node) -> tuple[int, ...]:
     """Return the indices of a node's children, in branch order."""
     match node:
-        case Leaf():
+        case AnyLeaf():
             return ()
         case Instantiation(child):
             return (child,)
@@ -149,7 +163,7 @@ def shifted(node: Node, after: int, by: int) -> Node:
         return index + by if index > after else index
 
     match node:
-        case Leaf():
+        case AnyLeaf():
             return node
         case Instantiation(child):
             return Instantiation(moved(child))

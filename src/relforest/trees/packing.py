@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from relforest.mappings.operations import DIFFERENCE, DISTANCE, IDENTITY
-from relforest.trees.nodes import Instantiation, Leaf, Node, Question, children
+from relforest.trees.nodes import AnyLeaf, Instantiation, Node, Question, children
 from relforest.volumes import Ellipsoid
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
             bound[child] = bound[i] + isinstance(node, Instantiation)
             asked[child] = asked[i] + isinstance(node, Question)
         match node:
-            case Leaf():
+            case AnyLeaf():
                 row[KIND], row[ORDINAL] = LEAF, ordinal
                 ordinal += 1
             case Instantiation():
@@ -122,8 +122,8 @@ def _suits_boxes(question: Question, variable: int) -> bool:
 
 
 def _rank(nodes: tuple[Node, ...], table: NDArray[np.int64]) -> None:
-    leaves = [i for i, node in enumerate(nodes) if isinstance(node, Leaf)]
-    probabilities = [node.probability for node in nodes if isinstance(node, Leaf)]
+    leaves = [i for i, node in enumerate(nodes) if isinstance(node, AnyLeaf)]
+    probabilities = [node.probability for node in nodes if isinstance(node, AnyLeaf)]
     for rank, place in enumerate(np.argsort(-np.array(probabilities), kind="stable")):
         table[leaves[place], RANK] = rank
     for i in range(len(nodes) - 1, -1, -1):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal, Protocol, final
+from typing import TYPE_CHECKING, Final, Protocol, final
 
 import numpy as np
 
 from relforest.support.progress import report
 from relforest.trees.bags import bags_of
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf, PreparedQuestion
+from relforest.trees.settings import SearchName
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
 from relforest.volumes import CovAggSettings, aggregate
 from relforest.volumes.covagg import best_score
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from relforest.trees.expansions import Expansion
     from relforest.trees.sequences import Sequences
 
-
-SearchName = Literal["screened", "exhaustive"]
 
 # Beyond so many sequences for each of `max_points`, answering a question once would take minutes.
 _LARGEST_RATIO: Final = 100

@@ -8,10 +8,10 @@ from typing import Literal, final
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range, one_of
-from relforest.trees.search import SEARCHES, SearchName
 from relforest.volumes.settings import CovAggSettings
 
 Test = Literal["likelihood-ratio", "permutation"]
+SearchName = Literal["screened", "exhaustive"]
 
 
 @final
@@ -59,7 +59,7 @@ class TreeSettings:
 
     def __post_init__(self) -> None:
         one_of("test", self.test, ("likelihood-ratio", "permutation"))
-        one_of("search", self.search, tuple(SEARCHES))
+        one_of("search", self.search, ("screened", "exhaustive"))
         in_range("alpha", self.alpha, 0.0, 1.0, open_low=True, open_high=True)
         at_least("attempts", self.attempts, 1)
         at_least("permutations", self.permutations, 1)

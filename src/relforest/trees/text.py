@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from relforest.support.numerals import ends, vector
 from relforest.trees.nodes import (
     ANSWERS,
+    AnyLeaf,
     ClassLeaf,
     Instantiation,
-    Leaf,
     MeanLeaf,
     Node,
     Question,
@@ -85,7 +85,7 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, other: str | None = "LA
         Label of the negative class for `one_sided_hint`, which is added unless this is None.
     """
     questions = [node for node in nodes if isinstance(node, Question)]
-    n_leaves = sum(isinstance(node, Leaf) for node in nodes)
+    n_leaves = sum(isinstance(node, AnyLeaf) for node in nodes)
     lines = [
         f"SMRF tree with {counted(len(questions), 'question')} and {counted(n_leaves, 'leaf', 'leaves')}"
     ]
@@ -116,7 +116,7 @@ def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
     )
 
 
-def leaf_summary(leaf: Leaf) -> str:
+def leaf_summary(leaf: AnyLeaf) -> str:
     """Return what a leaf predicts, and its training counts."""
     return leaf.summary
 
@@ -131,7 +131,7 @@ def _sole_prediction(nodes: tuple[Node, ...]) -> bool | None:
 
     Leaves that decided no training scene count only if none decided any.
     """
-    leaves = [node for node in nodes if isinstance(node, Leaf)]
+    leaves = [node for node in nodes if isinstance(node, AnyLeaf)]
     if any(isinstance(leaf, (MeanLeaf, ClassLeaf)) for leaf in leaves):
         return None
     tried = [leaf for leaf in leaves if leaf.negatives + leaf.positives] or leaves
@@ -150,7 +150,7 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
             index = node.child
             node = nodes[index]
         margin = "    " * indent
-        if isinstance(node, Leaf):
+        if isinstance(node, AnyLeaf):
             yield f"{margin}{label}{leaf_summary(node)}"
             continue
         text = sentence(node, fresh_variables(schema, n_bound, n_new))
@@ -172,7 +172,7 @@ def _given(schema: Schema, arguments: range) -> str:
 
 
 def _is_untried(node: Node) -> bool:
-    return isinstance(node, Leaf) and node.negatives + node.positives == 0
+    return isinstance(node, AnyLeaf) and node.negatives + node.positives == 0
 
 
 def _introduced(said: _Statement, rest: str, fresh: tuple[int, ...]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, cast, final
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from relforest.support.documents import well_formed
 from relforest.support.errors import InputError
 from relforest.support.files import check_document
 from relforest.trees.node_json import node_from_dict, node_to_dict
-from relforest.trees.nodes import ClassLeaf, Instantiation, Leaf, Node, Question, shifted
+from relforest.trees.nodes import AnyLeaf, ClassLeaf, Instantiation, Leaf, Node, Question, shifted
 from relforest.trees.packing import PackedTree, pack
 from relforest.trees.structure import check_counts, check_structure
 from relforest.trees.text import describe
@@ -64,7 +64,7 @@ class Tree:
 
     def __post_init__(self) -> None:
         bound, above = check_structure(self.schema, self.nodes)
-        leaves = tuple(i for i, node in enumerate(self.nodes) if isinstance(node, Leaf))
+        leaves = tuple(i for i, node in enumerate(self.nodes) if isinstance(node, AnyLeaf))
         kinds = {_kind(self.nodes[leaf]) for leaf in leaves}
         if len(kinds) > 1:
             raise InputError("the leaves of a tree must be of one kind, and have the same number of classes")
@@ -101,13 +101,13 @@ class Tree:
     @property
     def leaf_probabilities(self) -> NDArray[np.float64]:
         """Probability of each leaf (for real targets the mean), (n_leaves,)."""
-        return np.array([node.probability for node in self.nodes if isinstance(node, Leaf)])
+        return np.array([node.probability for node in self.nodes if isinstance(node, AnyLeaf)])
 
-    def with_leaves(self, leaves: Sequence[Leaf]) -> Tree:
+    def with_leaves(self, leaves: Sequence[AnyLeaf]) -> Tree:
         """Return the same tree with other leaves, given in leaf order."""
         nodes = list(self.nodes)
         for index, leaf in zip(self.leaves, leaves, strict=True):
-            nodes[index] = leaf
+            nodes[index] = cast("Node", leaf)
         return Tree(self.schema, tuple(nodes))
 
     def expanded(self, leaf: int, n_new: int, question: Question) -> Tree:
