@@ -471,7 +471,7 @@ def test_bad_bags_are_refused(points: Floats, starts: list[int], labels: list[bo
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"space": "sphere"}, "space must be one of 'euclidean', 'circle', got 'sphere'"),
+        ({"space": "sphere"}, "space must be one of 'euclidean', 'circle', 'category', got 'sphere'"),
         (
             {"objective": "auc"},
             "objective must be one of 'accuracy', 'log-likelihood', 'weighted-log-likelihood', 'squared-err",

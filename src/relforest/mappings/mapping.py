@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
     from relforest.scenes import Attribute, Schema
 
-Space = Literal["euclidean", "circle"]
+Space = Literal["euclidean", "circle", "category"]
 
+_SPACES: Final[dict[str, Space]] = {"euclidean": "euclidean", "angle": "circle", "category": "category"}
 _NUMBERS: Final = frozenset({"distance", "scaled_distance", "bearing", "same"})
 
 
@@ -91,8 +92,8 @@ class Mapping:
 
     @property
     def space(self) -> Space:
-        """Whether the codomain is a Euclidean space or the circle."""
-        return "circle" if self.attribute.kind == "angle" else "euclidean"
+        """Whether the codomain is a Euclidean space, the circle, or a few values without order."""
+        return _SPACES[self.attribute.kind]
 
     def evaluate(
         self, schema: Schema, matrix: NDArray[np.float64], rows: NDArray[np.int64]

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 def added_parameters(mapping: Mapping, *, has_errors: bool, n_values: int = 1) -> int:
     """Degrees of freedom that a question adds to a tree.
 
-    The volume's centre, its shape and size (on the circle just its width), and the probabilities of one or
-    two more leaves (`n_values` each, which is one, or for several classes one less than there are). The
-    source gives no count; this is the natural one for a codomain of dimension d, with instantiation nodes
-    free.
+    The volume's centre, its shape and size (on the circle just its width; of a category, just which one it
+    is), and the probabilities of one or two more leaves (`n_values` each, which is one, or for several
+    classes one less than there are). The source gives no count; this is the natural one for a codomain of
+    dimension d, with instantiation nodes free.
 
     Examples
     --------
@@ -26,6 +26,9 @@ def added_parameters(mapping: Mapping, *, has_errors: bool, n_values: int = 1) -
     6
     """
     dim = mapping.dim
+    if mapping.space == "category":
+        # Which one it is.
+        return 1 + (2 if has_errors else 1) * n_values
     shape = 1 if mapping.space == "circle" else dim * (dim + 1) // 2
     return dim + shape + (2 if has_errors else 1) * n_values
 

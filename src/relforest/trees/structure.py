@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from relforest.support.errors import InputError
 from relforest.trees.nodes import Instantiation, Node, Question, children
+from relforest.volumes import Ellipsoid
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -109,10 +112,23 @@ def _check_question(known: frozenset[Attribute], index: int, node: Question, n_b
             f"got {used} with {n_bound} bound"
         )
         raise InputError(msg)
+    if mapping.space == "category":
+        _check_category(index, node)
     shape = "arc" if mapping.space == "circle" else "ellipsoid"
     if node.volume.dim != mapping.dim or type(node.volume).__name__.lower() != shape:
         msg = f"node {index}: {mapping.name} needs an {shape} in {mapping.dim} dimension(s)"
         raise InputError(msg)
+
+
+def _check_category(index: int, node: Question) -> None:
+    mapping, volume = node.mapping, node.volume
+    n = 2 if mapping.operation == "same" else len(mapping.attribute.categories)
+    if isinstance(volume, Ellipsoid) and volume.dim == 1 and volume.mean[0] in range(n):
+        number = int(volume.mean[0])
+        if np.array_equal(volume.contains(np.arange(n)[:, None]), np.arange(n) == number):
+            return
+    msg = f"node {index}: the volume of {mapping.name} must contain one category and no other"
+    raise InputError(msg)
 
 
 def _preorder(nodes: tuple[Node, ...]) -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from relforest.support.numerals import ends, vector
@@ -23,6 +24,7 @@ from relforest.volumes import Arc
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from relforest.mappings import Mapping
     from relforest.scenes import Schema
     from relforest.volumes import Volume
 
@@ -192,13 +194,18 @@ def _statement(question: Question) -> _Statement:
     mapping, volume = question.mapping, question.volume
     names = [variable_name(variable) for variable in question.variables]
     distance = mapping.operation == "distance"
+    if mapping.space == "category":
+        return _Statement(names[-1], "has", "", _category(mapping, int(interval(volume)[1]), names[0]))
     # An object is at a place, and has anything else.
-    located = mapping.attribute.name == "location" and (distance or volume.dim > 1)
+    compared = distance or mapping.operation in {"scaled_distance", "bearing"}
+    located = mapping.attribute.name == "location" and (compared or volume.dim > 1)
     owners = names if located else [f"{name}'s" for name in names]
     if distance:
         exact = _distance(volume, owners[0])
     elif mapping.operation == "identity":
         exact = region(volume)
+    elif compared:
+        exact = _seen_from(mapping.operation, interval(volume), owners)
     elif mapping.operation == "difference" and not located:
         exact = _difference(volume, owners[0])
     else:
@@ -206,6 +213,21 @@ def _statement(question: Question) -> _Statement:
     if located:
         return _Statement(names[-1], "is", place(mapping, volume, names), exact)
     return _Statement(names[-1], "has", "", f"{mapping.attribute.name} {exact}")
+
+
+def _category(mapping: Mapping, number: int, reference: str) -> str:
+    name = mapping.attribute.name
+    if mapping.operation == "same":
+        return f"the same {name} as {reference}" if number == 1 else f"another {name} than {reference}"
+    return f"{name} {mapping.attribute.categories[number]}"
+
+
+def _seen_from(operation: str, limits: tuple[float, float], names: list[str]) -> str:
+    low, high = max(limits[0], 0.0), limits[1]
+    if operation == "bearing":
+        turned = span((math.degrees(low), math.degrees(high)))
+        return f"{turned} degrees from {names[1]}, seen from {names[0]}"
+    return f"{span((low, high))} times as far from {names[0]} as {names[1]}"
 
 
 def _frame(operation: str, names: list[str], dim: int) -> str:

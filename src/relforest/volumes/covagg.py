@@ -12,6 +12,7 @@ from relforest.support.options import one_of
 from relforest.volumes.aggregation import Found, Problem, aggregate_keys
 from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
+from relforest.volumes.categories import best_category, category_volume
 from relforest.volumes.conditioning import condition
 from relforest.volumes.ellipsoid import Ellipsoid
 from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
@@ -57,7 +58,7 @@ def aggregate(
     labels: NDArray[np.bool_],
     *,
     rng: np.random.Generator,
-    space: Literal["euclidean", "circle"] = "euclidean",
+    space: Literal["euclidean", "circle", "category"] = "euclidean",
     objective: Objective = "accuracy",
     evidence: NDArray[np.float64] | None = None,
     settings: CovAggSettings = _DEFAULT,
@@ -67,7 +68,8 @@ def aggregate(
     Parameters
     ----------
     points : ndarray (n_points, d)
-        Instances, grouped by bag; angles (n_points, 1) in radians if `space` is "circle".
+        Instances, grouped by bag; angles (n_points, 1) in radians if `space` is "circle"; numbers of
+        categories (n_points, 1) if it is "category": then every category is tried.
     starts : int64 ndarray (n_bags + 1,)
         Bag i holds ``points[starts[i]:starts[i + 1]]``; no bag is empty.
     labels : bool ndarray (n_bags,)
@@ -103,7 +105,7 @@ def aggregate(
     ----------
     Palmer (2015), Algorithm 3.1, section 3.2, eq. 3.4-3.7; section 4.2 for the likelihood objective.
     """
-    circular = one_of("space", space, ("euclidean", "circle")) == "circle"
+    circular = one_of("space", space, ("euclidean", "circle", "category")) == "circle"
     one_of("objective", objective, tuple(OBJECTIVES))
     _check(points, starts, labels, circular=circular)
     if (evidence is not None) != (OBJECTIVES[objective] >= WEIGHTED):
@@ -112,6 +114,9 @@ def aggregate(
     if evidence is not None and not (evidence.shape == (len(labels), 2) and np.isfinite(evidence).all()):
         msg = f"evidence must be two finite numbers for each of {len(labels)} bags, got {evidence.shape}"
         raise InputError(msg)
+    if space == "category":
+        category, score, n_tried = best_category(points, starts, (labels, evidence), objective)
+        return None if score == -np.inf else Aggregation(category_volume(category), score, n_tried)
     searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
     if searched is None:
         return None
@@ -139,12 +144,14 @@ def best_score(
     labels: NDArray[np.bool_],
     *,
     rng: np.random.Generator,
-    space: Literal["euclidean", "circle"],
+    space: Literal["euclidean", "circle", "category"],
     objective: Objective,
     evidence: NDArray[np.float64] | None,
     settings: CovAggSettings,
 ) -> float:
     """Return the score that `aggregate` would reach, minus infinity for None, without checks or a volume."""
+    if space == "category":
+        return best_category(points, starts, (labels, evidence), objective)[1]
     circular = space == "circle"
     searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
     return -np.inf if searched is None else float(searched[0].models.numbers[BEST, SCORE])
