@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from interpreted import compiled_only
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Tree, query
@@ -77,6 +78,7 @@ def test_a_search_that_pauses_finds_the_same(steps: int) -> None:
     assert pauses > 20
 
 
+@compiled_only
 @pytest.mark.parametrize("n_jobs", [1, 2])
 def test_a_query_without_end_is_interrupted(n_jobs: int) -> None:
     endless = Tree(SCHEMA, (*(Instantiation(i + 1) for i in range(15)), leaf(0.5)))
