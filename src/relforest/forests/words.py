@@ -168,7 +168,7 @@ def _in_frame(limits: _Range, component: int, others: list[str], *, scaled: bool
     start, end = others
     low, high = limits.low, limits.high
     line = f"the line from {start} to {end}"
-    unit = " times its length" if scaled else ""
+    unit = " (in its lengths)" if scaled else ""
     if component == 0 and scaled:
         if not limits.absolute:
             return f"is {_limits(limits)} of the way from {start} to {end}"
@@ -187,23 +187,14 @@ def _in_frame(limits: _Range, component: int, others: list[str], *, scaled: bool
             far = f"{_limits(limits)} in front of"
         return f"is {far} {start}, facing {end}"
     if limits.absolute:
-        far = f"within {number(high)}" if math.isinf(low) else f"at least {number(low)}"
-        return f"is {far}{unit} {'of' if math.isinf(low) else 'from'} {line}"
-    if math.isinf(low):
-        far = (
-            f"at most {number(high)}{unit} left of"
-            if high >= 0.0
-            else f"at least {number(-high)}{unit} right of"
-        )
+        far = f"within {number(high)} of" if math.isinf(low) else f"at least {number(low)} from"
+    elif math.isinf(low):
+        far = f"at most {number(high)} left of" if high >= 0.0 else f"at least {number(-high)} right of"
     elif math.isinf(high):
-        far = (
-            f"at least {number(low)}{unit} left of"
-            if low >= 0.0
-            else f"at most {number(-low)}{unit} right of"
-        )
+        far = f"at least {number(low)} left of" if low >= 0.0 else f"at most {number(-low)} right of"
     else:
-        far = f"{_limits(limits)}{unit} left of"
-    return f"is {far} {line}"
+        far = f"{_limits(limits)} left of"
+    return f"is {far} {line}{unit}"
 
 
 def _ellipse(statement: Statement, test: Near, others: list[str]) -> str:

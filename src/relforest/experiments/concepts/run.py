@@ -51,7 +51,10 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     seed = stream(seed_sequence(place.seed), list(SCENES).index(setting.concept), setting.replicate)
     scenes, labels = draw_training[1](generator(stream(seed, _TRAINING)), setting.n_scenes)
     learner = SMRFTreeClassifier(
-        alpha=setting.alpha, max_points=setting.max_points, random_state=stream(seed, _LEARNING)
+        search="exhaustive",  # the source's
+        alpha=setting.alpha,
+        max_points=setting.max_points,
+        random_state=stream(seed, _LEARNING),
     ).fit(scenes, labels)
     rows: list[Row] = []
     for number, (test, draw) in enumerate([draw_training, *draw_testing]):
