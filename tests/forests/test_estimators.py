@@ -12,6 +12,7 @@ from sklearn.base import clone
 from sklearn.model_selection import cross_val_score
 
 from forest_scenes import TEAM
+from interpreted import INTERPRETED, compiled_only
 from relforest import (
     SMRFBoostingClassifier,
     SMRFBoostingRegressor,
@@ -52,17 +53,19 @@ def nearest(scenes: Scenes) -> NDArray[np.float64]:
     return np.array(distances)
 
 
+FEW = 2 if INTERPRETED else 15
 CLASSIFIERS: tuple[SceneEstimator, ...] = (
-    SMRFBoostingClassifier(n_trees=30, learning_rate=0.2, random_state=0),
-    SMRFForestClassifier(n_trees=15, random_state=0),
-    SMRFRuleSetClassifier(n_trees=20, rules=RuleSetSettings(n_steps=2000), random_state=0),
+    SMRFBoostingClassifier(n_trees=2 * FEW, learning_rate=0.2, random_state=0),
+    SMRFForestClassifier(n_trees=FEW, random_state=0),
+    SMRFRuleSetClassifier(n_trees=FEW, rules=RuleSetSettings(n_steps=100 * FEW), random_state=0),
 )
 REGRESSORS: tuple[SceneEstimator, ...] = (
-    SMRFBoostingRegressor(n_trees=10, random_state=0),
-    SMRFForestRegressor(n_trees=5, random_state=0),
+    SMRFBoostingRegressor(n_trees=FEW, random_state=0),
+    SMRFForestRegressor(n_trees=FEW, random_state=0),
 )
 
 
+@compiled_only
 @pytest.mark.parametrize("model", CLASSIFIERS, ids=lambda model: type(model).__name__)
 def test_classifiers_find_a_relation(model: Any) -> None:
     rng = np.random.default_rng(0)
@@ -77,6 +80,7 @@ def test_classifiers_find_a_relation(model: Any) -> None:
     assert "identity(team) of C" in " ".join(each.question for each in model.importances())
 
 
+@compiled_only
 def test_a_rule_set_is_read_as_the_concept() -> None:
     rng = np.random.default_rng(1)
     scenes = scenes_of(rng, 200)
@@ -94,6 +98,7 @@ def test_a_rule_set_is_read_as_the_concept() -> None:
     assert scenes.matrix[np.array(reasons[0].witnesses["C"], dtype=int), 2] == 1
 
 
+@compiled_only
 @pytest.mark.parametrize(
     "model",
     [
@@ -111,6 +116,7 @@ def test_a_distance_is_predicted_among_twice_the_objects(model: Any) -> None:
     assert model.importances()[0].question.startswith(("distance(location)", "difference(location)"))
 
 
+@compiled_only
 def test_the_training_loss_falls() -> None:
     rng = np.random.default_rng(3)
     scenes = scenes_of(rng, 60)
@@ -121,6 +127,7 @@ def test_the_training_loss_falls() -> None:
     assert (np.diff(losses) < 0).all()
 
 
+@compiled_only
 def test_boosting_stops_early_on_noise() -> None:
     rng = np.random.default_rng(4)
     scenes = scenes_of(rng, 100)
@@ -131,6 +138,7 @@ def test_boosting_stops_early_on_noise() -> None:
     assert model.losses_.argmin() == len(model.ensemble_.trees)
 
 
+@compiled_only
 @pytest.mark.parametrize("model", CLASSIFIERS[:2], ids=lambda model: type(model).__name__)
 def test_three_classes(model: Any) -> None:
     rng = np.random.default_rng(5)
@@ -150,8 +158,9 @@ def test_three_classes(model: Any) -> None:
 @pytest.mark.parametrize("model", CLASSIFIERS + REGRESSORS, ids=lambda model: type(model).__name__)
 def test_models_are_scikit_learn_citizens_and_survive_files(model: Any) -> None:
     rng = np.random.default_rng(6)
-    scenes = scenes_of(rng, 60)
-    y = guest_on_the_left(scenes).astype(int) if hasattr(model, "class_weight") else nearest(scenes)
+    scenes = scenes_of(rng, 20 if INTERPRETED else 60, 2)
+    distances = nearest(scenes)
+    y = distances > np.median(distances) if hasattr(model, "class_weight") else distances
     one, other = clone(model).fit(scenes, y), clone(model).set_params(n_jobs=2).fit(scenes, y)
     document = one.ensemble_.to_dict()
     read = Ensemble.from_dict(document)
@@ -166,6 +175,7 @@ def test_models_are_scikit_learn_citizens_and_survive_files(model: Any) -> None:
     assert isinstance(str(one.explain(scenes[:1])[0]), str)
 
 
+@compiled_only
 def test_categories_are_matched_by_name() -> None:
     rng = np.random.default_rng(7)
     scenes = scenes_of(rng, 80)
@@ -214,7 +224,7 @@ def test_the_start_is_the_best_constant() -> None:
 
 def test_weights_count_as_repetitions() -> None:
     rng = np.random.default_rng(9)
-    scenes = scenes_of(rng, 50)
+    scenes = scenes_of(rng, 50, 2)
     y = guest_on_the_left(scenes)
     weights = rng.integers(0, 3, 50)
     model = SMRFForestRegressor(
@@ -303,6 +313,7 @@ def test_bad_parameters_are_refused(model: Any, parameters: dict[str, Any], mess
         clone(model).set_params(**parameters).fit(scenes, [0, 1] * 3)
 
 
+@compiled_only
 def test_scenes_of_other_kinds_are_refused() -> None:
     scenes = scenes_of(np.random.default_rng(0), 30)
     model = clone(CLASSIFIERS[1]).fit(scenes, guest_on_the_left(scenes))

@@ -55,17 +55,18 @@ def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
     n_parameters: int, max_count: int
 ) -> None:
     rng = np.random.default_rng(n_parameters)
-    scenes = random_scenes(rng, 80, n_parameters)
-    targets = Targets(rng.standard_normal((80, 1)), np.ones((80, 1)))
+    n = 40
+    scenes = random_scenes(rng, n, n_parameters, 4)
+    targets = Targets(rng.standard_normal((n, 1)), np.ones((n, 1)))
     settings = GrowthSettings(max_leaves=5, max_count=max_count, penalty=2.0)
     tables = condition_tables(scenes, 2, most=1000, rng=rng)
 
-    grown = grow_tree(tables, np.arange(80), targets, settings, rng)
+    grown = grow_tree(tables, np.arange(n), targets, settings, rng)
 
     tree = grown.tree
     ensemble = Ensemble(scenes.schema, np.zeros(1), (tree,), np.ones(1))
     leaves = ensemble.leaves(scenes)[:, 0]
-    assert np.array_equal(leaves, grown.leaves(np.arange(80)))
+    assert np.array_equal(leaves, grown.leaves(np.arange(n)))
     assert len(tree.leaves) == 5
     assert np.bincount(leaves).tolist() == [tree.nodes[leaf].n_scenes for leaf in tree.leaves]  # type: ignore[union-attr]
     assert np.bincount(leaves).min() >= settings.min_scenes
@@ -73,7 +74,7 @@ def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
         inside = leaves == number
         assert value == pytest.approx(-targets.gradients[inside].sum() / (inside.sum() + 2.0))
     total = sum(score(targets, leaves == number, 2.0) for number in range(5))
-    gained = 0.5 * (total - score(targets, np.ones(80, bool), 2.0))
+    gained = 0.5 * (total - score(targets, np.ones(n, bool), 2.0))
     assert sum(split.gain for split in tree.splits) == pytest.approx(gained)
 
 
