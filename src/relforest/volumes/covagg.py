@@ -108,12 +108,7 @@ def aggregate(
     circular = one_of("space", space, ("euclidean", "circle", "category")) == "circle"
     one_of("objective", objective, tuple(OBJECTIVES))
     _check(points, starts, labels, circular=circular)
-    if (evidence is not None) != (OBJECTIVES[objective] >= WEIGHTED):
-        msg = f"objective {objective!r} {'needs' if evidence is None else 'takes no'} evidence"
-        raise InputError(msg)
-    if evidence is not None and not (evidence.shape == (len(labels), 2) and np.isfinite(evidence).all()):
-        msg = f"evidence must be two finite numbers for each of {len(labels)} bags, got {evidence.shape}"
-        raise InputError(msg)
+    _check_evidence(evidence, len(labels), objective)
     if space == "category":
         category, score, n_tried = best_category(points, starts, (labels, evidence), objective)
         return None if score == -np.inf else Aggregation(category_volume(category), score, n_tried)
@@ -211,6 +206,15 @@ def _check(
             f"points contain NaN, infinite values or values beyond {_LARGEST_VALUE:g}: "
             "drop those instances first, or use other units"
         )
+        raise InputError(msg)
+
+
+def _check_evidence(evidence: NDArray[np.float64] | None, n_bags: int, objective: Objective) -> None:
+    if (evidence is not None) != (OBJECTIVES[objective] >= WEIGHTED):
+        msg = f"objective {objective!r} {'needs' if evidence is None else 'takes no'} evidence"
+        raise InputError(msg)
+    if evidence is not None and not (evidence.shape == (n_bags, 2) and np.isfinite(evidence).all()):
+        msg = f"evidence must be two finite numbers for each of {n_bags} bags, got {evidence.shape}"
         raise InputError(msg)
 
 
