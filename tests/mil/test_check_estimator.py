@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
+from interpreted import compiled_only
 from relforest import mil
 from relforest.mil import peers
 from relforest.mil.bag_classifier import BagClassifier
@@ -23,6 +24,7 @@ CLASSIFIERS = [
 OPTIONS = {VolumeCommitteeClassifier: {"n_splits": 2, "n_volumes": 4, "n_balls": 60}}
 
 
+@compiled_only
 @pytest.mark.parametrize("classifier", CLASSIFIERS, ids=lambda classifier: classifier.__name__)
 def test_no_check_fails_and_none_is_skipped(classifier: type[BagClassifier]) -> None:
     results = check_estimator(classifier(**OPTIONS.get(classifier, {})), on_fail=None, on_skip=None)

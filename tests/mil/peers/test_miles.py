@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from sklearn.svm import LinearSVC
 
+from interpreted import compiled_only
 from relforest.datasets import disjunctive
 from relforest.metrics import peirce_skill_score
 from relforest.mil.peers import MILESClassifier, miles
@@ -54,6 +55,7 @@ def test_features_come_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(found, slow_embed(bags, prototypes, 0.5), atol=1e-12)
 
 
+@compiled_only
 @pytest.mark.parametrize("intercept", [False, True])
 def test_the_machine_is_a_sparse_linear_one_on_the_features(*, intercept: bool) -> None:
     bags, y = drawn()
@@ -68,6 +70,7 @@ def test_the_machine_is_a_sparse_linear_one_on_the_features(*, intercept: bool) 
     np.testing.assert_allclose(model.decision_function(bags), expected.decision_function(features), atol=2e-2)
 
 
+@compiled_only
 def test_scores_on_fresh_bags() -> None:
     rng = np.random.default_rng(0)
     train, test = disjunctive(rng), disjunctive(rng)
@@ -77,6 +80,7 @@ def test_scores_on_fresh_bags() -> None:
     assert peirce_skill_score(test.labels, model.predict(test.bags)) > 0.25
 
 
+@compiled_only
 def test_neither_order_nor_place_matters() -> None:
     bags, y = drawn()
     rng = np.random.default_rng(3)
@@ -89,6 +93,7 @@ def test_neither_order_nor_place_matters() -> None:
     np.testing.assert_allclose(scores, expected[order], atol=2e-2)
 
 
+@compiled_only
 def test_the_same_seed_gives_the_same_machine() -> None:
     bags, y = drawn()
     models = [MILESClassifier(max_iter=20, random_state=7).fit(bags, y) for _ in range(2)]
@@ -97,6 +102,7 @@ def test_the_same_seed_gives_the_same_machine() -> None:
     np.testing.assert_array_equal(models[0].coef_, models[1].coef_)
 
 
+@compiled_only
 def test_duplicate_instances_count_once() -> None:
     bags, y = drawn()
     doubled = [np.concatenate([bag, bag]) for bag in bags]
