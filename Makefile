@@ -3,6 +3,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+PROGRAMS := tests/cli tests/experiments
 
 .PHONY: run test check coverage bench clean
 
@@ -18,9 +19,10 @@ check: $(STAMP)
 	$(BIN)/mypy src tests $(wildcard benchmarks)
 	$(BIN)/lint-imports
 
-# Coverage cannot see compiled code, so the kernels run as plain Python.
+# Coverage cannot see compiled code, so the kernels run as plain Python, but not beneath whole programs and studies.
 coverage: $(STAMP)
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --cov --cov-report=term
+	$(BIN)/python -m pytest -n 2 --cov --cov-report= $(PROGRAMS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --cov --cov-append --cov-report=term $(PROGRAMS:%=--ignore=%)
 
 bench: $(STAMP)
 	set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
