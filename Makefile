@@ -21,7 +21,7 @@ check: $(STAMP)
 
 # Coverage cannot see compiled code, so the kernels run as plain Python, but not beneath whole programs and studies.
 coverage: $(STAMP)
-	$(BIN)/python -m pytest -n 2 --cov --cov-report= $(PROGRAMS)
+	$(BIN)/python -m pytest -n 2 --cov --cov-report= --cov-fail-under=0 $(PROGRAMS)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --cov --cov-append --cov-report=term $(PROGRAMS:%=--ignore=%)
 
 bench: $(STAMP)
