@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from interpreted import compiled_only
 from relforest.rl.checkpoint import CHECKPOINT, EXPERIENCE, METRICS, TIMINGS
 from relforest.rl.experience import COLUMNS
 from relforest.rl.policy_file import POLICY, TREES, WEIGHTS, read_policy
@@ -102,6 +103,7 @@ def fail_at(monkeypatch: pytest.MonkeyPatch, place: int, *, torn: bool) -> None:
     monkeypatch.setattr(files, "write_bytes", write_bytes)
 
 
+@compiled_only
 def test_a_run_killed_at_any_file_goes_on_to_the_same_end(
     finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 
+from interpreted import compiled_only
 from relforest.rl.checkpoint import METRIC_NAMES
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.settings import LSPISettings, RPISettings
@@ -51,6 +52,7 @@ def test_learning_beats_chance(learned: SMRFRPI) -> None:
     assert learned.metrics_[-1]["test_reward"] > 5.0
 
 
+@compiled_only
 def test_actions_with_private_objects_are_learned() -> None:
     learner = SMRFRPI(Reaching(), settings=QUICK, random_state=0).learn(2, 30, test_episodes=100)
     rows = learner.metrics_

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from interpreted import compiled_only
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.features import forest_features, width
@@ -100,6 +101,7 @@ def test_the_order_of_objects_does_not_matter() -> None:
     np.testing.assert_allclose(found[1:], value.values(decision(*things))[1:][order], rtol=1e-12)
 
 
+@compiled_only
 def test_a_search_that_has_to_pause_finds_the_same() -> None:
     # Twice more pairs of objects than nodes that one call of the kernel may visit.
     things = np.linspace(0.0, 1.0, 460)

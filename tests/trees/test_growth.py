@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.errors import InputError
 from relforest.support.progress import Stage, listening
@@ -374,6 +375,7 @@ def test_values_too_large_for_a_volume_are_refused() -> None:
         grown(scenes, np.array([True, False, True]))
 
 
+@compiled_only
 def test_growth_reports_its_questions_and_gives_the_same_tree() -> None:
     scenes, labels = heavy_scenes()
     silent = grown(scenes, labels, test="permutation", search="exhaustive")

@@ -5,6 +5,7 @@ import copy
 import numpy as np
 import pytest
 
+from interpreted import compiled_only
 from keepaway_games import game
 from relforest.support.rng import stream
 from relforest.worlds.keepaway.advance import ASK, HAND, HOLD, NOBODY, RANDOM, advance
@@ -132,6 +133,7 @@ def test_a_game_does_not_depend_on_its_batch() -> None:
     assert not same(batch, alone, 1, 0)
 
 
+@compiled_only
 @pytest.mark.parametrize(
     "options",
     [

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest.support.errors import InputError
 from relforest.support.progress import Stage, listening
 from relforest.worlds.keepaway.durations import LANES, _Finished, episode_durations, play_episodes
@@ -91,6 +92,7 @@ def test_what_is_counted_fits_together() -> None:
     assert played.keeper_distances.shape == (3,)
 
 
+@compiled_only
 def test_random_play_lasts_about_as_long_as_with_the_real_server() -> None:
     durations = episode_durations("random", episodes=64, seed=0)
 

@@ -9,6 +9,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.wrappers.vector import DictInfoToList, RecordEpisodeStatistics
 
+from interpreted import compiled_only
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.worlds.keepaway.env import KeepawayEnv
@@ -32,6 +33,7 @@ def assert_same(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
         assert found.dtype == expected.dtype, name
 
 
+@compiled_only
 @pytest.mark.parametrize("options", [{}, FOUR_THREE, {"max_cycles": 12}])
 def test_it_is_what_single_environments_give(options: dict[str, Any]) -> None:
     native, single = KeepawayVectorEnv(5, **options), one_by_one(5, **options)
