@@ -337,6 +337,24 @@ def test_scenes_without_objects_can_be_learned_from() -> None:
     assert (model.predict(scenes[:1]) == [False]).all()
 
 
+@pytest.mark.parametrize("model", CLASSIFIERS, ids=lambda model: type(model).__name__)
+def test_scenes_that_are_all_alike_get_the_base_rate(model: Any) -> None:
+    scenes = Scenes.from_dicts([{"objects": [{"weight": 1.0}]}] * 8)
+    model = clone(model).fit(scenes, [0, 1, 1, 1] * 2)
+
+    assert np.allclose(model.predict_proba(scenes)[:, 1], 0.75, atol=0.03)
+    assert model.importances() == []
+    assert isinstance(model.describe(), str)
+
+
+def test_rules_share_their_gain() -> None:
+    rng = np.random.default_rng(1)
+    scenes = scenes_of(rng, 30, 2)
+    model = clone(CLASSIFIERS[2]).fit(scenes, nearest(scenes) > 4)
+
+    assert sum(each.share for each in model.importances()) == pytest.approx(1.0)
+
+
 def test_damaged_documents_are_refused() -> None:
     scenes = scenes_of(np.random.default_rng(0), 40)
     model = SMRFForestClassifier(n_trees=2, random_state=0).fit(scenes, guest_on_the_left(scenes))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
+from scipy.special import xlogy
 from sklearn.base import ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
@@ -189,11 +190,23 @@ def _chain(
     for number in chosen.rules:
         rule, truth = rules[number], pool.truth[number]
         condition = rule.table.condition(rule.numbers, rule.at_least)
-        nodes.append(Split(condition, len(nodes) + 1, len(nodes) + 2, 0.0))
+        gain = _gain(truth[remaining], positive[remaining], weights[remaining])
+        nodes.append(Split(condition, len(nodes) + 1, len(nodes) + 2, gain))
         nodes.append(Value((held,), int(np.count_nonzero(remaining & truth))))
         remaining &= ~truth
     nodes.append(Value((_share(~inside, positive, weights),), int(np.count_nonzero(remaining))))
     return SceneTree(tuple(nodes))
+
+
+def _gain(truth: NDArray[np.bool_], positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> float:
+    """Return by how much a rule raises the log likelihood of the scenes that no earlier rule decided."""
+
+    def likelihood(chosen: NDArray[np.bool_]) -> float:
+        sums = np.bincount(positive[chosen].astype(np.int64), weights[chosen], 2)
+        return float(xlogy(sums, sums).sum() - xlogy(sums.sum(), sums.sum()))
+
+    everything = np.ones(len(truth), dtype=np.bool_)
+    return max(likelihood(truth) + likelihood(~truth) - likelihood(everything), 0.0)
 
 
 def _share(chosen: NDArray[np.bool_], positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> float:

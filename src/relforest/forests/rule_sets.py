@@ -152,7 +152,8 @@ def choose_rule_sets(
     """Sample rule sets by simulated annealing, for both classes; the one with the least cost comes first.
 
     The cost of a set is the negative log likelihood of the labels given whether any of its rules holds, plus
-    the costs of its rules. Each set is weighted by the exponential of minus half its cost.
+    the costs of its rules. Each set is weighted by the exponential of minus half its cost. An empty pool
+    leaves the empty set.
     """
     found: dict[tuple[int, tuple[int, ...]], list[float]] = {}
     for describes in (1, 0):
@@ -160,13 +161,15 @@ def choose_rule_sets(
             np.where(positive == bool(describes), weights, 0.0),
             np.where(positive == bool(describes), 0.0, weights),
         )
-        for _ in range(settings.n_chains):
+        for _ in range(settings.n_chains if len(pool.costs) else 0):
             sets = np.full((100, settings.max_rules), -1, dtype=np.int64)
             costs = np.empty(100)
             n = _anneal(pool, sums, (settings.n_steps, settings.smoothing), rng, sets, costs)
             for chosen, cost in zip(sets[:n].tolist(), costs[:n].tolist(), strict=True):
                 key = (describes, tuple(sorted(rule for rule in chosen if rule >= 0)))
                 found.setdefault(key, []).append(cost)
+    if not found:
+        return [RuleSet((), 1, 0.0, 1.0)]
     least = min(costs[0] for costs in found.values())
     share = {key: len(costs) * math.exp(0.5 * (least - costs[0])) for key, costs in found.items()}
     kept = {key: value for key, value in share.items() if value >= _LEAST_WEIGHT * max(share.values())}

@@ -20,7 +20,6 @@ from relforest.forests.kernels import (
     KIND,
     LARGE,
     LIMIT,
-    N_NUMBERS,
     NEAR,
     NEAR_ANGLE,
     SECOND,
@@ -167,6 +166,3 @@ def _test(row: NDArray[np.float64], component: int) -> Test:
     centre = row[CENTRE : CENTRE + dim].tolist()
     radii = np.sqrt(limit / row[WEIGHT : WEIGHT + dim]).tolist()
     return Near(component, tuple(centre), tuple(radii))
-
-
-__all__ = ["N_NUMBERS", "ConditionTable", "condition_tables"]
