@@ -17,9 +17,9 @@ from relforest.forests.explanations import (
     explain_scores,
     importances,
 )
-from relforest.forests.labels import checked_scenes
 from relforest.forests.settings import GrowthSettings
 from relforest.forests.tables import ConditionTable, condition_tables
+from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report

@@ -13,9 +13,10 @@ from sklearn.utils.validation import check_is_fitted
 from relforest.forests.base import SceneEstimator, growth_settings
 from relforest.forests.boosting import Boosted, BoostingSettings, boost
 from relforest.forests.ensemble import Ensemble
-from relforest.forests.labels import checked_scenes, class_targets, real_targets, weights_of
+from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.settings import GrowthSettings
+from relforest.scenes.batch import checked_scenes
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
 

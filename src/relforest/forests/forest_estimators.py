@@ -12,8 +12,9 @@ from relforest.forests.base import SceneEstimator, growth_settings
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.growth import GrownTree, grow_tree
 from relforest.forests.kernels import Targets
-from relforest.forests.labels import checked_scenes, class_targets, real_targets, weights_of
+from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.settings import GrowthSettings
+from relforest.scenes.batch import checked_scenes
 from relforest.support.options import at_least, in_range
 from relforest.support.parallel import run_tasks
 from relforest.support.progress import printed_to_stderr

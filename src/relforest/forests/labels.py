@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from relforest.scenes import Scenes
 from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked
@@ -35,14 +34,6 @@ class ClassTargets:
     classes: NDArray[Any]
     numbers: NDArray[np.int64]
     weights: NDArray[np.float64]
-
-
-def checked_scenes(scenes: object) -> Scenes:
-    """Return scenes; `InputError` for anything else."""
-    if not isinstance(scenes, Scenes):
-        msg = f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
-        raise InputError(msg)
-    return scenes
 
 
 def class_targets(

@@ -13,7 +13,7 @@ from relforest.forests.base import SceneEstimator, growth_settings
 from relforest.forests.boosting import BoostingSettings, boost
 from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
-from relforest.forests.labels import checked_scenes, class_targets
+from relforest.forests.labels import class_targets
 from relforest.forests.losses import Logistic
 from relforest.forests.rule_sets import (
     Pool,
@@ -26,6 +26,7 @@ from relforest.forests.rule_sets import (
 )
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
+from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import part, printed_to_stderr

@@ -23,7 +23,7 @@ from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["Scenes"]
+__all__ = ["Scenes", "checked_scenes"]
 
 _Key = int | np.integer | slice | ArrayLike
 
@@ -432,6 +432,15 @@ class Scenes:
                 f"scene positions must lie in 0 to {len(self) - 1} (or be negative), got {array!r:.100}"
             )
         return positions
+
+
+def checked_scenes(scenes: object) -> Scenes:
+    """Return scenes as they are; `InputError` for anything else."""
+    if not isinstance(scenes, Scenes):
+        raise InputError(
+            f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
+        )
+    return scenes
 
 
 def _fill(scenes: Scenes, parts: SceneArrays) -> None:

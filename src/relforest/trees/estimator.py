@@ -10,7 +10,7 @@ import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
-from relforest.scenes import Scenes
+from relforest.scenes.batch import checked_scenes
 from relforest.scenes.ids import plain
 from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
@@ -28,6 +28,7 @@ from relforest.trees.weights import ClassWeight, class_weights, scene_weights
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from relforest.scenes import Scenes
     from relforest.trees.growth import Step
     from relforest.trees.tree import Tree
 
@@ -95,12 +96,12 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
     def apply(self, scenes: Scenes) -> NDArray[np.int64]:
         """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
         check_is_fitted(self)
-        return query(self.tree_, _checked(scenes), n_jobs=self.n_jobs).leaf
+        return query(self.tree_, checked_scenes(scenes), n_jobs=self.n_jobs).leaf
 
     def explain(self, scenes: Scenes) -> list[Explanation]:
         """Return the objects behind each prediction."""
         check_is_fitted(self)
-        return explain(self.tree_, _checked(scenes))
+        return explain(self.tree_, checked_scenes(scenes))
 
 
 @final
@@ -216,7 +217,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
             If the labels or weights do not match the scenes, labels are not of at least two classes, a
             weight is negative or not finite or all are zero, or a parameter is out of range.
         """
-        classes, codes = class_labels(y, len(_checked(scenes)), what="scenes")
+        classes, codes = class_labels(y, len(checked_scenes(scenes)), what="scenes")
         weights = scene_weights(sample_weight, len(scenes))
         by_class = class_weights(self.class_weight, classes, codes, weights)
         if by_class is not None:
@@ -352,7 +353,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
             If targets or weights do not match the scenes, a target is not finite or all are equal, a weight
             is negative or not finite or all are zero, or a parameter is out of range.
         """
-        values = _numbers(y, len(_checked(scenes)))
+        values = _numbers(y, len(checked_scenes(scenes)))
         weights = scene_weights(sample_weight, len(scenes))
         kept = slice(None) if weights is None else weights > 0
         target = Target.real(values[kept], None if weights is None else weights[kept])
@@ -386,13 +387,6 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
             )
         )
     return explanations
-
-
-def _checked(scenes: object) -> Scenes:
-    if not isinstance(scenes, Scenes):
-        msg = f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
-        raise InputError(msg)
-    return scenes
 
 
 def _numbers(y: ArrayLike, n_expected: int) -> NDArray[np.float64]:
