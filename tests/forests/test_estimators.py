@@ -339,8 +339,8 @@ def test_scenes_without_objects_can_be_learned_from() -> None:
 
 @pytest.mark.parametrize("model", CLASSIFIERS, ids=lambda model: type(model).__name__)
 def test_scenes_that_are_all_alike_get_the_base_rate(model: Any) -> None:
-    scenes = Scenes.from_dicts([{"objects": [{"weight": 1.0}]}] * 8)
-    model = clone(model).fit(scenes, [0, 1, 1, 1] * 2)
+    scenes = Scenes.from_dicts([{"objects": [{"weight": 1.0}]}] * 80)
+    model = clone(model).fit(scenes, [0, 1, 1, 1] * 20)
 
     assert np.allclose(model.predict_proba(scenes)[:, 1], 0.75, atol=0.03)
     assert model.importances() == []
