@@ -33,6 +33,7 @@ from relforest.forests.statements import Bound, Is, Near, Statement, Test, is_ca
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from relforest.forests.settings import GrowthSettings
     from relforest.scenes import Scenes
 
 # Components that can have either sign with the same meaning on both sides.
@@ -104,6 +105,16 @@ def condition_tables(
             if table.firsts.any():
                 tables.append(ConditionTable(n_free, found, table, n_sampled))
     return tuple(tables)
+
+
+def searched_tables(
+    scenes: Scenes, settings: GrowthSettings, rng: np.random.Generator
+) -> tuple[ConditionTable, ...]:
+    """Return the tables that trees with these settings are grown from."""
+    max_free = settings.max_free
+    if max_free is None:
+        max_free = 1 if scenes.schema.n_parameters else 2
+    return condition_tables(scenes, max_free, most=settings.max_choices, rng=rng)
 
 
 def _table(

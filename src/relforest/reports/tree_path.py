@@ -14,7 +14,7 @@ from relforest.support.errors import InputError
 from relforest.support.numerals import probability
 from relforest.trees import Instantiation, Question, Tree, query
 from relforest.trees.nodes import ANSWERS, AnyLeaf, children, variable_name
-from relforest.trees.text import fresh_variables, leaf_summary, sentence
+from relforest.trees.text import introduced, leaf_summary, sentence
 
 
 @final
@@ -72,18 +72,6 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
     return TreePath(plain(scene.scene_ids[0]), leaf, nodes, witnesses, points)
 
 
-def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
-    """Return, for each question, its new variables that range over objects."""
-    new: dict[int, tuple[int, ...]] = {}
-    run = [0] * len(tree.nodes)
-    for index, node in enumerate(tree.nodes):
-        if isinstance(node, Instantiation):
-            run[node.child] = run[index] + 1
-        elif isinstance(node, Question):
-            new[index] = fresh_variables(tree.schema, tree.n_bound[index] - run[index], run[index])
-    return new
-
-
 def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
     """Return the variables bound on a path as text, such as ``("A (passer) = p3", "B = p7")``."""
     parameters = tree.schema.parameters
@@ -98,7 +86,7 @@ def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
 
 def path_in_words(tree: Tree, path: TreePath) -> str:
     """Describe the path of a scene: the objects, each question and its answer, and the deciding leaf."""
-    new = introduced(tree)
+    new = introduced(tree.schema, tree.nodes)
     decided = probability(float(tree.leaf_probabilities[path.leaf]))
     lines = [f"scene {path.scene_id}: probability {decided}, leaf {path.leaf}"]
     lines += [f"    {name}" for name in witness_names(tree, path)]
