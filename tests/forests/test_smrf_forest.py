@@ -183,13 +183,14 @@ def test_damaged_documents_are_refused() -> None:
     document = Ensemble(schema, np.zeros(1), (near_tree(schema),), np.ones(1)).to_dict()
     tree = document["trees"][0]
 
-    for change in (
+    changes: tuple[dict[str, Any], ...] = (
         {"trees": [tree, [{"value": [0.0], "scenes": 3}]], "weights": [1.0, 1.0]},
         {"trees": [{"nodes": tree["nodes"][:-1]}]},
         {"trees": [{}]},
         {"start": [0.0, 0.0]},
         {"weights": []},
-    ):
+    )
+    for change in changes:
         with pytest.raises(ModelFormatError):
             Ensemble.from_dict(document | change)
     mixed = (near_tree(schema), Tree(plane("A"), near_tree(plane("A")).nodes))
