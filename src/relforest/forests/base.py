@@ -22,7 +22,6 @@ from relforest.forests.tables import ConditionTable, searched_tables
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
-from relforest.support.progress import report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -88,7 +87,6 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
         self, scenes: Scenes, settings: GrowthSettings, rng: np.random.Generator
     ) -> tuple[ConditionTable, ...]:
         """Return the tables of the training scenes, and remember how many scenes were sampled."""
-        report("choices of objects listed", 0)
         tables = searched_tables(scenes, settings, rng)
         self.n_sampled_: int = max((table.n_sampled for table in tables), default=0)
         return tables

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast, final
 import numpy as np
 
 from relforest.forests.ensemble import Ensemble
-from relforest.forests.growth import grow_tree
-from relforest.forests.members import Wanted, grow_conditions, grow_smrf, sampled
+from relforest.forests.members import Wanted, grow_conditions, grow_shared, grow_smrf, sampled
 from relforest.forests.settings import GrowthSettings
 from relforest.forests.tables import searched_tables
 from relforest.support.errors import InputError
@@ -142,6 +141,7 @@ def grow_forest(
     pool = np.flatnonzero(wanted.weights > 0.0) if is_smrf else everything
     samples = [sampled(pool, size, rng) for rng in rngs]
     unseen = [np.setdiff1d(everything, sample) for sample in samples]
+    leaves: Sequence[NDArray[np.int64]]
     if isinstance(settings.growth, TreeSettings):
         parts = [(scenes.take(sample).compact(), wanted.take(sample)) for sample in samples]
         forest = _smrf_forest(parts, signs, settings.growth, rngs, n_jobs)
@@ -153,12 +153,11 @@ def grow_forest(
         tables = searched_tables(scenes, settings.growth, generator(stream(seed, _TABLES)))
         targets = wanted.newton(wanted.mean)
         tasks = [
-            (tables, sample, targets, settings.growth, rng) for sample, rng in zip(samples, rngs, strict=True)
+            (tables, split, targets, settings.growth, rng)
+            for split, rng in zip(zip(samples, unseen, strict=True), rngs, strict=True)
         ]
-        grown = run_tasks(grow_tree, tasks, n_jobs=n_jobs, prefer="threads")
-        leaves = [each.leaves(rest) for each, rest in zip(grown, unseen, strict=True)]
+        own, leaves = zip(*run_tasks(grow_shared, tasks, n_jobs=n_jobs, prefer="threads"), strict=True)
         n_sampled = max((table.n_sampled for table in tables), default=0)
-        own = tuple(each.tree for each in grown)
         forest = _forest_of_conditions(scenes.schema, wanted, own, n_sampled)
     total, n_unseen = np.zeros(wanted.numbers.shape), np.zeros((len(scenes), 1))
     trees = forest.ensemble.trees

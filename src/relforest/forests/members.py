@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from relforest.forests.scene_tree import SceneTree
     from relforest.forests.settings import GrowthSettings
+    from relforest.forests.tables import ConditionTable
     from relforest.scenes import Scenes
     from relforest.trees import TreeSettings
 
@@ -76,6 +77,18 @@ class Wanted:
 def sampled(pool: NDArray[np.int64], size: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Return `size` scenes of a pool (n,) without replacement, in its order; all if there are fewer."""
     return pool[np.sort(rng.choice(len(pool), min(size, len(pool)), replace=False))]
+
+
+def grow_shared(
+    tables: tuple[ConditionTable, ...],
+    samples: tuple[NDArray[np.int64], NDArray[np.int64]],
+    targets: Targets,
+    settings: GrowthSettings,
+    rng: np.random.Generator,
+) -> tuple[SceneTree, NDArray[np.int64]]:
+    """Grow a tree of conditions from the first sample; return the leaves of the second one as well."""
+    grown = grow_tree(tables, samples[0], targets, settings, rng)
+    return grown.tree, grown.leaves(samples[1])
 
 
 def grow_conditions(

@@ -29,6 +29,7 @@ from relforest.forests.kernels import (
     holds,
 )
 from relforest.forests.statements import Bound, Is, Near, Statement, Test, is_category
+from relforest.support.progress import report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -114,6 +115,7 @@ def searched_tables(
     max_free = settings.max_free
     if max_free is None:
         max_free = 1 if scenes.schema.n_parameters else 2
+    report("choices of objects listed", 0)
     return condition_tables(scenes, max_free, most=settings.max_choices, rng=rng)
 
 
