@@ -60,8 +60,25 @@ def measured(condition: Condition, scenes: Scenes, scene: int) -> tuple[float, i
     """The distance from a condition, and how many choices satisfy it, by their definitions."""
     bound = scenes.arguments[scene].tolist()
     free = [row for row in scenes.objects(scene).tolist() if row not in bound]
+    if not condition.every:
+        margins, count = choices(condition, scenes, bound, list(permutations(free, condition.n_free)))
+        enough = len(margins) >= condition.at_least
+        return (sorted(margins)[condition.at_least - 1] if enough else math.nan), count
+    least, n_partnered = [], 0
+    for one in free:
+        margins, count = choices(condition, scenes, bound, [(one, other) for other in free if other != one])
+        least.append(min(margins, default=math.inf))
+        n_partnered += count > 0
+    farthest = max(least, default=math.inf)
+    return (farthest if farthest < math.inf else math.nan), n_partnered
+
+
+def choices(
+    condition: Condition, scenes: Scenes, bound: list[int], tried: list[tuple[int, ...]]
+) -> tuple[list[float], int]:
+    """The distances of choices of objects, as far as they are defined, and how many satisfy the condition."""
     margins, count = [], 0
-    for chosen in permutations(free, condition.n_free):
+    for chosen in tried:
         rows = (*bound, *chosen)
         count += all(is_true(statement, scenes, rows) for statement in condition.statements)
         found = [(isinstance(each.test, Is), excess(each, scenes, rows)) for each in condition.statements]
@@ -71,8 +88,7 @@ def measured(condition: Condition, scenes: Scenes, scene: int) -> tuple[float, i
             margins.append(max(categories))
         elif not np.isnan([x for _, x in found]).any() and max(categories, default=-1.0) < 0:
             margins.append(max(numbers))
-    enough = len(margins) >= condition.at_least
-    return (sorted(margins)[condition.at_least - 1] if enough else math.nan), count
+    return margins, count
 
 
 @pytest.mark.parametrize("seed", range(6))

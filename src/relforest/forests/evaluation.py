@@ -116,7 +116,8 @@ def condition_holds(
     """Whether a condition holds in a scene; `bound` (n_arguments + 2,) is the choice that decided.
 
     `objects` and `arguments` are rows of `matrix`. Choices are tried in the order of the objects, and the
-    search ends with the one that completes the required number.
+    search ends with the one that completes the required number, or for every first object, with the first
+    that has no second one.
     """
     n_arguments = len(arguments)
     n_free, needed = packed.conditions[condition, N_FREE], packed.conditions[condition, COUNT]
@@ -124,11 +125,15 @@ def condition_holds(
     bound[n_arguments:] = -1
     if n_free == 0:
         return _all_true(packed, condition, matrix, bound, point)
-    found = 0
+    found, needs_every = 0, needed == 0
     for first in objects:
         if is_argument(first, arguments):
             continue
         bound[n_arguments] = first
+        if needs_every:
+            if found < needed:
+                return False
+            needed += 1
         if n_free == 1:
             found += _all_true(packed, condition, matrix, bound, point)
             if found >= needed:
@@ -139,8 +144,10 @@ def condition_holds(
                 bound[n_arguments + 1] = second
                 found += _all_true(packed, condition, matrix, bound, point)
                 if found >= needed:
+                    if needs_every:
+                        break
                     return True
-    return False
+    return bool(needs_every and 0 < needed <= found)
 
 
 @kernel

@@ -104,6 +104,7 @@ def grow_tree(
         settings.first_share,
         settings.share,
         settings.penalty,
+        settings.every,
     )
 
     def opened(node: int, here: NDArray[np.int64]) -> _Open:
@@ -156,7 +157,9 @@ def _best_question(
             np.zeros(n_choices, dtype=np.bool_),
             np.empty((2, 2, targets.gradients.shape[1])),
         )
-        gain, n, at_least = best_condition(table.table, scenes, targets, plan, rng, statements, work)
+        # Of a sample of the pairs, the objects without a partner are not known.
+        tried = plan._replace(every=plan.every and table.n_free == 2 and table.n_sampled == 0)
+        gain, n, at_least = best_condition(table.table, scenes, targets, tried, rng, statements, work)
         if n and (best is None or gain > best.gain):
             best = _Question(table, statements[:n].copy(), at_least, gain)
     return best

@@ -30,6 +30,9 @@ NEAR_ANGLE: Final = 5
 IS: Final = 6
 IS_NOT: Final = 7
 
+# Instead of a number of choices: one for every first of two free objects.
+EVERY: Final = 0
+
 _TURN: Final = 2.0 * math.pi
 
 
@@ -68,6 +71,7 @@ class Plan(NamedTuple):
     first_share: float
     share: float
     penalty: float  # lambda, added to the sum of curvatures
+    every: bool = False
 
 
 class Search(NamedTuple):
@@ -107,6 +111,12 @@ def value(values: NDArray[np.float64], choice: int, statement: NDArray[np.float6
     return float(result)
 
 
+@inlined
+def n_second_objects(n_choices: int) -> int:
+    """How many choices of two objects begin with the same one, if there are n (n - 1) of n objects."""
+    return int(math.sqrt(n_choices))
+
+
 @kernel
 def least_values(
     table: Table,
@@ -116,7 +126,24 @@ def least_values(
     at_least: int,
     least: NDArray[np.float64],
 ) -> None:
-    """Write each scene's `at_least`-th smallest value of the allowed choices, infinite if there are fewer."""
+    """Write each scene's `at_least`-th smallest value of the allowed choices, infinite if there are fewer.
+
+    For `EVERY`, it is the largest of the smallest values of each first object.
+    """
+    if at_least == EVERY:
+        for i in range(len(scenes)):
+            begin, end = table.starts[scenes[i]], table.starts[scenes[i] + 1]
+            n_seconds = n_second_objects(end - begin)
+            least[i] = -np.inf if begin < end else np.inf
+            for first in range(begin, end, max(n_seconds, 1)):
+                nearest = np.inf
+                for choice in range(first, first + n_seconds):
+                    if allowed[choice]:
+                        x = value(table.values, choice, statement)
+                        if x < nearest:  # noqa: PLR1730 - min() may return NaN
+                            nearest = x
+                least[i] = max(least[i], nearest)
+        return
     smallest = np.empty(at_least)
     for i in range(len(scenes)):
         smallest[:] = np.inf
@@ -314,6 +341,8 @@ def best_condition(
     at_least = 1
     if plan.most_counted > 1 and rng.random() < 0.4:
         at_least = 1 + int(rng.random() * plan.most_counted)
+    if plan.every and rng.random() < 0.4:
+        at_least = EVERY
     gain, n = 0.0, 0
     _allow_all(table, scenes, work.inside)
     while n < plan.most_statements:
@@ -347,16 +376,20 @@ def holds(
     at_least: int,
     out: NDArray[np.bool_],
 ) -> None:
-    """Write for which scenes at least so many choices make all statements (n, N_NUMBERS) true."""
+    """Write for which scenes so many choices, or `EVERY`, make all statements (n, N_NUMBERS) true."""
     for i in range(len(scenes)):
-        n = 0
-        for choice in range(table.starts[scenes[i]], table.starts[scenes[i] + 1]):
-            is_true = True
-            for j in range(len(statements)):
-                if not value(table.values, choice, statements[j]) <= statements[j, LIMIT]:
-                    is_true = False
-                    break
-            n += is_true
-            if n >= at_least:
-                break
-        out[i] = n >= at_least
+        begin, end = table.starts[scenes[i]], table.starts[scenes[i] + 1]
+        size = n_second_objects(end - begin) if at_least == EVERY else end - begin
+        needed = 1 if at_least == EVERY else at_least
+        out[i] = begin < end
+        for first in range(begin, end, max(size, 1)):
+            n, choice = 0, first
+            while n < needed and choice < first + size:
+                is_true = True
+                for j in range(len(statements)):
+                    if not value(table.values, choice, statements[j]) <= statements[j, LIMIT]:
+                        is_true = False
+                        break
+                n += is_true
+                choice += 1
+            out[i] &= n >= needed

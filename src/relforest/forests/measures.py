@@ -71,10 +71,10 @@ def _measure(
     point: NDArray[np.float64],
 ) -> tuple[float, int]:
     n_arguments, n_free = len(arguments), packed.conditions[condition, N_FREE]
-    smallest = np.full(packed.conditions[condition, COUNT], np.inf)
+    smallest = np.full(max(packed.conditions[condition, COUNT], 1), np.inf)
     bound[:n_arguments] = arguments
     bound[n_arguments:] = -1
-    count = 0
+    count, farthest = 0, -np.inf
     if n_free == 0:
         count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
     else:
@@ -85,10 +85,16 @@ def _measure(
             if n_free == 1:
                 count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
                 continue
+            n_before = count
             for second in objects:
                 if second != first and not is_argument(second, arguments):
                     bound[n_arguments + 1] = second
                     count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
+            if packed.conditions[condition, COUNT] == 0:
+                farthest, smallest[0] = max(farthest, smallest[0]), np.inf
+                count = min(count, n_before + 1)
+        if packed.conditions[condition, COUNT] == 0 and farthest > -np.inf:
+            smallest[0] = farthest
     margin = smallest[len(smallest) - 1]
     return (margin if margin < np.inf else np.nan), count
 
@@ -106,7 +112,8 @@ def measures(
     """Write margins and counts (n_scenes, n_conditions) for scenes from `begin` up to `end`.
 
     The margin of a scene is that of the last choice that is needed: of the best one, or of the k-th best if k
-    are required; NaN if fewer have one.
+    are required; NaN if fewer have one. For every first object, it is the largest of their own margins, and
+    the first objects are counted.
     """
     rows, starts, sizes, arguments = scenes
     bound = np.empty(arguments.shape[1] + 2, dtype=np.int64)

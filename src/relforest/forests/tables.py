@@ -14,6 +14,7 @@ from relforest.forests.kernels import (
     AT_LEAST,
     AT_MOST,
     CENTRE,
+    EVERY,
     FIRST,
     IS,
     IS_NOT,
@@ -63,7 +64,8 @@ class ConditionTable:
 
     def condition(self, numbers: NDArray[np.float64], at_least: int) -> Condition:
         """Return the condition that a search found, from the rows of its statements."""
-        return Condition(self.n_free, tuple(map(self._statement, numbers)), at_least)
+        statements = tuple(map(self._statement, numbers))
+        return Condition(self.n_free, statements, max(at_least, 1), every=at_least == EVERY)
 
     def holds(
         self, numbers: NDArray[np.float64], at_least: int, scenes: NDArray[np.int64]
