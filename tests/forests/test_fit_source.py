@@ -24,9 +24,9 @@ COLUMNS: Any = {"scene": "s", "object": "o", "attributes": {"x": "x"}}
 N_SCENES = 60
 MODELS: tuple[SceneEstimator, ...] = (
     SMRFForestClassifier(n_trees=3, max_samples=20, random_state=0),
-    SMRFForestClassifier(n_trees=3, max_samples=20, growth=TreeSettings(attempts=1), random_state=0),
+    SMRFForestClassifier(n_trees=2, max_samples=8, growth=TreeSettings(attempts=1), random_state=0),
     SMRFForestRegressor(n_trees=3, max_samples=20, random_state=0),
-    SMRFForestRegressor(n_trees=3, max_samples=20, growth=TreeSettings(attempts=1), random_state=0),
+    SMRFForestRegressor(n_trees=2, max_samples=8, growth=TreeSettings(attempts=1), random_state=0),
 )
 
 
@@ -64,7 +64,7 @@ def test_each_tree_learns_from_the_sample_drawn_for_it(model: Any, source: Path)
     scenes = Scenes.from_parquet(whole, **COLUMNS)
 
     assert one.ensemble_.to_dict() == other.ensemble_.to_dict()
-    assert len(one.ensemble_.trees) == 3
+    assert len(one.ensemble_.trees) == model.n_trees
     assert np.isnan(one.oob_score_)
     assert one.predict(scenes).shape == (N_SCENES,)
     if not model.growth and label_of(model) == "high":
