@@ -10,7 +10,7 @@ import pytest
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree
-from relforest.trees.text import describe, fresh_variables, leaf_summary, one_sided_hint, sentence
+from relforest.trees.text import describe, fresh_variables, one_sided_hint, sentence
 from relforest.volumes import Arc, Ellipsoid, Volume
 from small_trees import ball, leaf, plane
 
@@ -208,7 +208,7 @@ def test_figures_may_be_left_to_a_picture() -> None:
     ],
 )
 def test_leaves(made: Leaf, expected: str) -> None:
-    assert leaf_summary(made) == expected
+    assert made.summary == expected
 
 
 def test_arguments_are_not_fresh() -> None:

@@ -118,11 +118,6 @@ def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
     )
 
 
-def leaf_summary(leaf: AnyLeaf) -> str:
-    """Return what a leaf predicts, and its training counts."""
-    return leaf.summary
-
-
 def fresh_variables(schema: Schema, n_bound: int, n_new: int) -> tuple[int, ...]:
     """Return the newly bound variables that are not action arguments."""
     return tuple(range(max(n_bound, schema.n_parameters), n_bound + n_new))
@@ -153,7 +148,7 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
             node = nodes[index]
         margin = "    " * indent
         if isinstance(node, AnyLeaf):
-            yield f"{margin}{label}{leaf_summary(node)}"
+            yield f"{margin}{label}{node.summary}"
             continue
         text = sentence(node, fresh_variables(schema, n_bound, n_new))
         given = _given(schema, range(n_bound, min(n_bound + n_new, schema.n_parameters)))
