@@ -57,13 +57,18 @@ def fitted(bags: Any = BAGS, y: Any = Y, **options: Any) -> CovAggClassifier:
     return CovAggClassifier(random_state=0, **options).fit(bags, y)
 
 
+def ellipsoid_of(model: CovAggClassifier) -> Ellipsoid:
+    assert isinstance(model.volume_, Ellipsoid)
+    return model.volume_
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_all_forms_of_bags_give_the_same_volume_and_predictions(form: str) -> None:
     model, expected = fitted(FORMS[form]), fitted()
 
     assert model.volume_.radius == pytest.approx(expected.volume_.radius, rel=1e-5)
     np.testing.assert_allclose(model.volume_.mean, expected.volume_.mean, rtol=1e-5)
-    np.testing.assert_allclose(model.volume_.covariance, expected.volume_.covariance, rtol=1e-5)
+    np.testing.assert_allclose(ellipsoid_of(model).covariance, ellipsoid_of(expected).covariance, rtol=1e-5)
     assert model.predict(FORMS[form]).tolist() == expected.predict(BAGS).tolist() == Y.tolist()
     np.testing.assert_allclose(
         model.decision_function(FORMS[form]), expected.decision_function(BAGS), rtol=1e-5
@@ -128,7 +133,7 @@ def test_decision_is_radius_minus_witness_distance(form: str) -> None:
 def test_a_witness_on_the_boundary_is_inside() -> None:
     # Keys 0 and 2: mean 1; the boundary lies midway between 2 and 6, that is at 4 and -2.
     model = fitted([[[0.0]], [[2.0]], [[6.0]]], [1, 1, 0])
-    on_boundary = model.volume_.mean[0] + model.volume_.axes[0, 0]
+    on_boundary = model.volume_.mean[0] + ellipsoid_of(model).axes[0, 0]
 
     assert abs(on_boundary - 1) == pytest.approx(3)
     assert model.decision_function([[[on_boundary]]]) == pytest.approx(0, abs=1e-12)
@@ -193,7 +198,7 @@ def test_duplicate_instances_change_nothing_but_the_prior() -> None:
     model = fitted(np.concatenate([BAGS, BAGS], axis=1))
 
     np.testing.assert_allclose(model.volume_.mean, fitted().volume_.mean)
-    np.testing.assert_allclose(model.volume_.covariance, fitted().volume_.covariance)
+    np.testing.assert_allclose(ellipsoid_of(model).covariance, ellipsoid_of(fitted()).covariance)
 
 
 def test_many_more_features_than_bags() -> None:
@@ -203,7 +208,7 @@ def test_many_more_features_than_bags() -> None:
     model = fitted(bags)
 
     assert model.score(bags, Y) >= 0.9
-    covariance = model.volume_.covariance
+    covariance = ellipsoid_of(model).covariance
     assert (covariance == covariance.T).all()
 
 
@@ -218,7 +223,7 @@ def test_numpy_numbers_as_parameters() -> None:
     # Such as a grid search over arrays passes; the volume must still go into JSON.
     model = fitted(window=np.int64(8), prior_weight=np.float32(0.25), max_condition=np.int64(100))
 
-    assert type(model.volume_.prior_weight) is float
+    assert type(ellipsoid_of(model).prior_weight) is float
     assert model.volume_.to_dict()["prior_weight"] == 0.25
 
 

@@ -24,6 +24,7 @@ from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
 from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.volumes.settings import CovAggSettings, Shape, VolumeLearner
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -83,6 +84,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             attempts=self.attempts,
             permutations=self.permutations,
             max_points=self.max_points,
+            covagg=CovAggSettings(shape=self.volume_shape, learner=self.volume_learner),
         )
         rng = generator(seed_sequence(self.random_state))
         kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
@@ -126,6 +128,11 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    volume_shape : {"full", "diagonal", "axis"}, default "full"
+        Shape of the volumes that questions ask about: any ellipsoid, one along the axes, or an interval of
+        one coordinate.
+    volume_learner : {"covagg", "diverse-density"}, default "covagg"
+        How volumes are learned: by covariant aggregation, or as the source did in 2012 (section 5.2.1).
     class_weight : {"balanced"}, dict or None, default None
         Weight of each class, by label: those that are not named weigh 1. "balanced" gives all classes the
         same weight in sum. It multiplies `sample_weight`.
@@ -184,6 +191,8 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
+        volume_shape: Shape = "full",
+        volume_learner: VolumeLearner = "covagg",
         class_weight: ClassWeight = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
@@ -195,6 +204,8 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
+        self.volume_shape = volume_shape
+        self.volume_learner = volume_learner
         self.class_weight = class_weight
         self.random_state = random_state
         self.n_jobs = n_jobs
@@ -278,6 +289,11 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    volume_shape : {"full", "diagonal", "axis"}, default "full"
+        Shape of the volumes that questions ask about: any ellipsoid, one along the axes, or an interval of
+        one coordinate.
+    volume_learner : {"covagg", "diverse-density"}, default "covagg"
+        How volumes are learned: by covariant aggregation, or as the source did in 2012 (section 5.2.1).
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -322,6 +338,8 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
+        volume_shape: Shape = "full",
+        volume_learner: VolumeLearner = "covagg",
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
@@ -332,6 +350,8 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
+        self.volume_shape = volume_shape
+        self.volume_learner = volume_learner
         self.random_state = random_state
         self.n_jobs = n_jobs
         self.verbose = verbose

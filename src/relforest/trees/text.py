@@ -17,16 +17,16 @@ from relforest.trees.nodes import (
     counted,
     variable_name,
 )
-from relforest.trees.places import SIDES, place
+from relforest.trees.places import AXIS_NAMES, SIDES, place
 from relforest.trees.regions import interval, region, span
-from relforest.volumes import Arc
+from relforest.volumes import Arc, Slab
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from relforest.mappings import Mapping
     from relforest.scenes import Schema
-    from relforest.volumes import Volume
+    from relforest.volumes import Ellipsoid, Volume
 
 _SPOKEN_WITH_VOWEL: Final = frozenset("AEFHILMNORSX")
 _ORIENTATION: Final = "left and right are as on a map, with x to the right and y upwards"
@@ -200,6 +200,8 @@ def _statement(question: Question) -> _Statement:
     compared = distance or mapping.operation in {"scaled_distance", "bearing"}
     located = mapping.attribute.name == "location" and (compared or volume.dim > 1)
     owners = names if located else [f"{name}'s" for name in names]
+    if isinstance(volume, Slab):
+        return _component(mapping, volume, names, owners)
     if distance:
         exact = _distance(volume, owners[0])
     elif mapping.operation == "identity":
@@ -213,6 +215,24 @@ def _statement(question: Question) -> _Statement:
     if located:
         return _Statement(names[-1], "is", place(mapping, volume, names), exact)
     return _Statement(names[-1], "has", "", f"{mapping.attribute.name} {exact}")
+
+
+def _component(mapping: Mapping, volume: Slab, names: list[str], owners: list[str]) -> _Statement:
+    if mapping.attribute.name == "location" and volume.dim <= len(AXIS_NAMES):
+        component, owner = AXIS_NAMES[volume.axis], names[-1]
+    else:
+        component, owner = f"component {volume.axis + 1}", f"{names[-1]}'s {mapping.attribute.name}"
+    subject = f"{component} of {owner}"
+    if mapping.operation == "difference":
+        return _Statement(subject, "is", "", _difference(volume.interval, f"{names[0]}'s"))
+    exact = region(volume.interval)
+    if mapping.operation == "identity":
+        return _Statement(subject, "is", "", exact)
+    framed = f"{exact}, {_frame(mapping.operation, owners, volume.dim)}"
+    lead = place(mapping, volume, names)
+    if lead:
+        return _Statement(names[-1], "is", lead, f"{component} {framed}")
+    return _Statement(subject, "is", "", framed)
 
 
 def _category(mapping: Mapping, number: int, reference: str) -> str:
@@ -250,7 +270,7 @@ def _distance(volume: Volume, reference: str) -> str:
     return f"{span((low, high))} from {reference}"
 
 
-def _difference(volume: Volume, reference: str) -> str:
+def _difference(volume: Ellipsoid | Arc, reference: str) -> str:
     if isinstance(volume, Arc) or volume.dim > 1:
         extent = region(volume)
         centred = extent.removesuffix(" of 0 rad")
