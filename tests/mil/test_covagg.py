@@ -14,7 +14,7 @@ from sklearn.model_selection import cross_val_score
 
 from relforest import CovAggClassifier
 from relforest.support.errors import InputError
-from relforest.volumes import Ellipsoid
+from relforest.volumes import Ellipsoid, Slab
 
 Floats = NDArray[np.float64]
 N_BAGS, SIZE = 24, 3
@@ -237,6 +237,8 @@ def test_parameters_are_those_of_scikit_learn() -> None:
         "max_condition": 1e5,
         "restarts": 2,
         "sampled": 1,
+        "shape": "full",
+        "learner": "covagg",
         "random_state": None,
     }
 
@@ -304,6 +306,24 @@ def test_prediction_needs_a_fitted_model_and_points_of_its_space(method: str) ->
         getattr(fitted(), method)([[[np.nan, 0.0]]])
     with pytest.raises(InputError, match=r"values beyond 1e.30"):
         getattr(fitted(), method)([[[4.0, 4.0], [1e200, 0.0]]])
+
+
+@pytest.mark.parametrize("learner", ["covagg", "diverse-density"])
+@pytest.mark.parametrize("shape", ["full", "diagonal", "axis"])
+def test_other_volumes(shape: Any, learner: Any) -> None:
+    model, again = (fitted(shape=shape, learner=learner) for _ in range(2))
+
+    assert model.score(BAGS, Y) >= 0.9
+    assert isinstance(model.volume_, Slab) == (shape == "axis")
+    assert model.volume_.to_dict() == again.volume_.to_dict()
+    inside = [bool(model.volume_.contains(bag).any()) for bag in BAGS]
+    assert model.predict(BAGS).tolist() == inside
+
+
+@pytest.mark.parametrize("option", ["shape", "learner"])
+def test_unknown_volumes_are_refused(option: str) -> None:
+    with pytest.raises(InputError, match=f"{option} must be one of"):
+        fitted(**{option: "round"})
 
 
 def test_a_search_without_result_is_a_fault_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:

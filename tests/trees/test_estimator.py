@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 from dataclasses import asdict
 from typing import Any
@@ -19,8 +20,10 @@ from sklearn.utils.estimator_checks import (
 
 from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, SMRFTreeRegressor
 from relforest.support.errors import InputError
-from relforest.trees import Explanation, Question, TreeSettings, query
+from relforest.trees import Explanation, Question, Tree, TreeSettings, query
+from relforest.trees.significance import likelihood_ratio_p
 from relforest.volumes import Ellipsoid
+from relforest.volumes.settings import Shape, VolumeLearner
 
 SCHEMA = Schema((Attribute("location", 2, operations=("distance",)),), ("passer",))
 
@@ -164,7 +167,8 @@ def test_parameters_are_those_of_scikit_learn() -> None:
 
 def test_defaults_are_those_of_the_settings() -> None:
     settings = asdict(TreeSettings())
-    del settings["covagg"]
+    volumes = settings.pop("covagg")
+    settings |= {f"volume_{name}": volumes[name] for name in ("shape", "learner")}
 
     assert SMRFTreeRegressor().get_params() == settings | {
         "random_state": None,
@@ -177,6 +181,65 @@ def test_defaults_are_those_of_the_settings() -> None:
         "n_jobs": 1,
         "verbose": False,
     }
+
+
+def in_a_strip(n: int = 40) -> tuple[Scenes, NDArray[np.bool_]]:
+    """Two objects in a square; positive if one of them has y below -3, x being all the same."""
+    rng = np.random.default_rng(3)
+    places, labels = rng.uniform([-9, -2], 9, size=(n, 2, 2)), np.arange(n) % 2 == 0
+    places[labels, 0, 1] = rng.uniform(-8, -4, size=n // 2)
+    records = [{"objects": [{"location": place} for place in scene]} for scene in places.tolist()]
+    schema = Schema((Attribute("location", 2, operations=("identity", "difference")),))
+    return Scenes.from_dicts(records, schema), labels
+
+
+@pytest.mark.parametrize("search", ["screened", "exhaustive"])
+@pytest.mark.parametrize("learner", ["covagg", "diverse-density"])
+def test_volumes_of_one_coordinate(search: Any, learner: Any) -> None:
+    scenes, labels = in_a_strip()
+    model = SMRFTreeClassifier(
+        random_state=0, attempts=1, search=search, volume_shape="axis", volume_learner=learner
+    ).fit(scenes, labels)
+    again = Tree.from_dict(json.loads(json.dumps(model.tree_.to_dict())))
+
+    assert model.score(scenes, labels) == 1.0
+    assert str(model.tree_).splitlines()[1].startswith("there is an A such that y of A is between -")
+    np.testing.assert_array_equal(query(again, scenes).leaf, model.apply(scenes))
+    # -2 log L of 40 scenes falls from 40 ln 4 to 0, by centre, width, which coordinate, and a leaf.
+    assert model.steps_[0].p_value == pytest.approx(likelihood_ratio_p(40 * np.log(2), 4))
+
+
+def test_the_permutation_test_takes_other_volumes() -> None:
+    model = fitted(test="permutation", permutations=19, attempts=1, volume_learner="diverse-density")
+    assert model.score(SCENES, Y) == 1.0
+
+
+@pytest.mark.parametrize("search", ["screened", "exhaustive"])
+def test_volumes_along_the_axes(search: Any) -> None:
+    scenes, labels = in_a_strip()
+    model = SMRFTreeClassifier(random_state=0, attempts=1, search=search, volume_shape="diagonal")
+    question = model.fit(scenes, labels).tree_.nodes[1]
+
+    assert isinstance(question, Question)
+    assert isinstance(question.volume, Ellipsoid)
+    assert question.volume.covariance[0, 1] == 0.0
+    assert model.steps_[0].p_value == pytest.approx(likelihood_ratio_p(model.steps_[0].gain, 5))
+
+
+def test_regression_with_other_volumes() -> None:
+    scenes, labels = in_a_strip()
+    others: tuple[tuple[Shape, VolumeLearner], ...] = (("axis", "diverse-density"), ("diagonal", "covagg"))
+    for shape, learner in others:
+        model = SMRFTreeRegressor(random_state=0, attempts=1, volume_shape=shape, volume_learner=learner).fit(
+            scenes, 1.0 + labels
+        )
+        assert model.score(scenes, 1.0 + labels) > 0.9
+
+
+@pytest.mark.parametrize("option", ["volume_shape", "volume_learner"])
+def test_unknown_volumes_are_refused(option: str) -> None:
+    with pytest.raises(InputError, match=f"{option.removeprefix('volume_')} must be one of"):
+        fitted(**{option: "round"})
 
 
 def test_cross_validation_takes_scenes() -> None:

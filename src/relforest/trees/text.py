@@ -243,11 +243,22 @@ def _category(mapping: Mapping, number: int, reference: str) -> str:
 
 
 def _seen_from(operation: str, limits: tuple[float, float], names: list[str]) -> str:
-    low, high = max(limits[0], 0.0), limits[1]
     if operation == "bearing":
-        turned = span((math.degrees(low), math.degrees(high)))
+        turned = _bounded(math.degrees(limits[0]), math.degrees(limits[1]), 180.0)
         return f"{turned} degrees from {names[1]}, seen from {names[0]}"
-    return f"{span((low, high))} times as far from {names[0]} as {names[1]}"
+    return f"{_bounded(*limits, math.inf)} times as far from {names[0]} as {names[1]}"
+
+
+def _bounded(low: float, high: float, most: float) -> str:
+    """Say which numbers from 0 to `most` an interval holds, without the ends that cut none of them off."""
+    if high > 0.0:
+        low = max(low, 0.0)
+    low_text, high_text = ends(low, high)
+    if low_text == "0" != high_text and high < most:
+        return f"at most {high_text}"
+    if low_text != "0" and high >= most:
+        return f"at least {ends(low, most)[0]}"
+    return span((low, high))
 
 
 def _frame(operation: str, names: list[str], dim: int) -> str:
