@@ -22,8 +22,7 @@ from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, SMRFTreeReg
 from relforest.support.errors import InputError
 from relforest.trees import Explanation, Question, Tree, TreeSettings, query
 from relforest.trees.significance import likelihood_ratio_p
-from relforest.volumes import Ellipsoid
-from relforest.volumes.settings import Shape, VolumeLearner
+from relforest.volumes import CovAggSettings, Ellipsoid
 
 SCHEMA = Schema((Attribute("location", 2, operations=("distance",)),), ("passer",))
 
@@ -167,8 +166,8 @@ def test_parameters_are_those_of_scikit_learn() -> None:
 
 def test_defaults_are_those_of_the_settings() -> None:
     settings = asdict(TreeSettings())
-    volumes = settings.pop("covagg")
-    settings |= {f"volume_{name}": volumes[name] for name in ("shape", "learner")}
+    assert settings.pop("covagg") == asdict(CovAggSettings())
+    settings["covagg"] = None
 
     assert SMRFTreeRegressor().get_params() == settings | {
         "random_state": None,
@@ -198,7 +197,7 @@ def in_a_strip(n: int = 40) -> tuple[Scenes, NDArray[np.bool_]]:
 def test_volumes_of_one_coordinate(search: Any, learner: Any) -> None:
     scenes, labels = in_a_strip()
     model = SMRFTreeClassifier(
-        random_state=0, attempts=1, search=search, volume_shape="axis", volume_learner=learner
+        random_state=0, attempts=1, search=search, covagg=CovAggSettings(shape="axis", learner=learner)
     ).fit(scenes, labels)
     again = Tree.from_dict(json.loads(json.dumps(model.tree_.to_dict())))
 
@@ -210,14 +209,18 @@ def test_volumes_of_one_coordinate(search: Any, learner: Any) -> None:
 
 
 def test_the_permutation_test_takes_other_volumes() -> None:
-    model = fitted(test="permutation", permutations=19, attempts=1, volume_learner="diverse-density")
+    model = fitted(
+        test="permutation", permutations=19, attempts=1, covagg=CovAggSettings(learner="diverse-density")
+    )
     assert model.score(SCENES, Y) == 1.0
 
 
 @pytest.mark.parametrize("search", ["screened", "exhaustive"])
 def test_volumes_along_the_axes(search: Any) -> None:
     scenes, labels = in_a_strip()
-    model = SMRFTreeClassifier(random_state=0, attempts=1, search=search, volume_shape="diagonal")
+    model = SMRFTreeClassifier(
+        random_state=0, attempts=1, search=search, covagg=CovAggSettings(shape="diagonal")
+    )
     question = model.fit(scenes, labels).tree_.nodes[1]
 
     assert isinstance(question, Question)
@@ -228,18 +231,19 @@ def test_volumes_along_the_axes(search: Any) -> None:
 
 def test_regression_with_other_volumes() -> None:
     scenes, labels = in_a_strip()
-    others: tuple[tuple[Shape, VolumeLearner], ...] = (("axis", "diverse-density"), ("diagonal", "covagg"))
-    for shape, learner in others:
-        model = SMRFTreeRegressor(random_state=0, attempts=1, volume_shape=shape, volume_learner=learner).fit(
-            scenes, 1.0 + labels
-        )
+    for settings in (
+        CovAggSettings(shape="axis", learner="diverse-density"),
+        CovAggSettings(shape="diagonal"),
+    ):
+        model = SMRFTreeRegressor(random_state=0, attempts=1, covagg=settings).fit(scenes, 1.0 + labels)
         assert model.score(scenes, 1.0 + labels) > 0.9
 
 
-@pytest.mark.parametrize("option", ["volume_shape", "volume_learner"])
-def test_unknown_volumes_are_refused(option: str) -> None:
-    with pytest.raises(InputError, match=f"{option.removeprefix('volume_')} must be one of"):
-        fitted(**{option: "round"})
+def test_volumes_are_settings() -> None:
+    with pytest.raises(InputError, match=r"covagg must be CovAggSettings\(\.\.\.\) or None, got 'axis'"):
+        fitted(covagg="axis")
+    model = clone(SMRFTreeClassifier(covagg=CovAggSettings(shape="axis")))
+    assert model.covagg == CovAggSettings(shape="axis")
 
 
 def test_cross_validation_takes_scenes() -> None:

@@ -24,7 +24,7 @@ from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
 from relforest.trees.weights import ClassWeight, class_weights, scene_weights
-from relforest.volumes.settings import CovAggSettings, Shape, VolumeLearner
+from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -77,6 +77,8 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
 
     def _grow(self, scenes: Scenes, target: Target, weights: NDArray[np.float64] | None) -> None:
         """Learn `tree_` from the scenes with a weight, for which the target holds."""
+        if not isinstance(self.covagg, CovAggSettings | None):
+            raise InputError(f"covagg must be CovAggSettings(...) or None, got {self.covagg!r}")
         settings = TreeSettings(
             test=self.test,
             search=self.search,
@@ -84,7 +86,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             attempts=self.attempts,
             permutations=self.permutations,
             max_points=self.max_points,
-            covagg=CovAggSettings(shape=self.volume_shape, learner=self.volume_learner),
+            covagg=self.covagg or CovAggSettings(),
         )
         rng = generator(seed_sequence(self.random_state))
         kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
@@ -128,11 +130,9 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
-    volume_shape : {"full", "diagonal", "axis"}, default "full"
-        Shape of the volumes that questions ask about: any ellipsoid, one along the axes, or an interval of
-        one coordinate.
-    volume_learner : {"covagg", "diverse-density"}, default "covagg"
-        How volumes are learned: by covariant aggregation, or as the source did in 2012 (section 5.2.1).
+    covagg : CovAggSettings or None, default None
+        How volumes are learned, and their shape; by default as published. See
+        `relforest.volumes.CovAggSettings`.
     class_weight : {"balanced"}, dict or None, default None
         Weight of each class, by label: those that are not named weigh 1. "balanced" gives all classes the
         same weight in sum. It multiplies `sample_weight`.
@@ -191,8 +191,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
-        volume_shape: Shape = "full",
-        volume_learner: VolumeLearner = "covagg",
+        covagg: CovAggSettings | None = None,
         class_weight: ClassWeight = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
@@ -204,8 +203,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
-        self.volume_shape = volume_shape
-        self.volume_learner = volume_learner
+        self.covagg = covagg
         self.class_weight = class_weight
         self.random_state = random_state
         self.n_jobs = n_jobs
@@ -289,11 +287,9 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
-    volume_shape : {"full", "diagonal", "axis"}, default "full"
-        Shape of the volumes that questions ask about: any ellipsoid, one along the axes, or an interval of
-        one coordinate.
-    volume_learner : {"covagg", "diverse-density"}, default "covagg"
-        How volumes are learned: by covariant aggregation, or as the source did in 2012 (section 5.2.1).
+    covagg : CovAggSettings or None, default None
+        How volumes are learned, and their shape; by default as published. See
+        `relforest.volumes.CovAggSettings`.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -338,8 +334,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
-        volume_shape: Shape = "full",
-        volume_learner: VolumeLearner = "covagg",
+        covagg: CovAggSettings | None = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
@@ -350,8 +345,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
-        self.volume_shape = volume_shape
-        self.volume_learner = volume_learner
+        self.covagg = covagg
         self.random_state = random_state
         self.n_jobs = n_jobs
         self.verbose = verbose
