@@ -209,9 +209,8 @@ def test_volumes_of_one_coordinate(search: Any, learner: Any) -> None:
 
 
 def test_the_permutation_test_takes_other_volumes() -> None:
-    model = fitted(
-        test="permutation", permutations=19, attempts=1, covagg=CovAggSettings(learner="diverse-density")
-    )
+    volumes = CovAggSettings(learner="diverse-density")
+    model = fitted(test="permutation", permutations=3, alpha=0.25, attempts=1, covagg=volumes)
     assert model.score(SCENES, Y) == 1.0
 
 
