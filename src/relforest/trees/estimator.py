@@ -26,6 +26,7 @@ from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
 from relforest.trees.significance import sidak
 from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,6 +86,8 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
 
         Each target stands for the same facts. With several, each has its share of the level.
         """
+        if not isinstance(self.covagg, CovAggSettings | None):
+            raise InputError(f"covagg must be CovAggSettings(...) or None, got {self.covagg!r}")
         settings = TreeSettings(
             test=self.test,
             search=self.search,
@@ -92,6 +95,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             attempts=self.attempts,
             permutations=self.permutations,
             max_points=self.max_points,
+            covagg=self.covagg or CovAggSettings(),
         )
         settings = replace(settings, alpha=sidak(settings.alpha, len(targets)))
         rng = generator(seed_sequence(self.random_state))
@@ -137,6 +141,9 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    covagg : CovAggSettings or None, default None
+        How volumes are learned, and their shape; by default as published. See
+        `relforest.volumes.CovAggSettings`.
     class_weight : {"balanced"}, dict or None, default None
         Weight of each class, by label: those that are not named weigh 1. "balanced" gives all classes the
         same weight in sum. It multiplies `sample_weight`.
@@ -195,6 +202,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
+        covagg: CovAggSettings | None = None,
         class_weight: ClassWeight = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
@@ -206,6 +214,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
+        self.covagg = covagg
         self.class_weight = class_weight
         self.random_state = random_state
         self.n_jobs = n_jobs
@@ -292,6 +301,9 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    covagg : CovAggSettings or None, default None
+        How volumes are learned, and their shape; by default as published. See
+        `relforest.volumes.CovAggSettings`.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -337,6 +349,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
+        covagg: CovAggSettings | None = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
@@ -348,6 +361,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
+        self.covagg = covagg
         self.random_state = random_state
         self.n_jobs = n_jobs
         self.verbose = verbose

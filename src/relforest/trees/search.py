@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Protocol, final
 
@@ -143,7 +143,7 @@ class Screened:
     max_points : int
         Most instantiation sequences of the scenes drawn that an expansion looks at.
     covagg : CovAggSettings
-        Parameters of covariant aggregation on the scenes drawn.
+        Parameters of covariant aggregation on the scenes drawn; shape and learner are those of the tree.
     """
 
     n_scenes: int = 120
@@ -192,7 +192,8 @@ class _ScreenedLeaf:
         if best is None:
             return None
         if best.question.sequences.ratio > 1.0:
-            best = at.judged(best.question, best.volume, target, exactly=True)
+            shape = self.settings.covagg.shape
+            best = at.judged(best.question, best.volume, target, exactly=True, shape=shape)
         return best.among(n_questions * self.settings.attempts)
 
     def _screened(self, target: Target, rng: np.random.Generator) -> tuple[list[Expansion], int]:
@@ -217,12 +218,15 @@ class _ScreenedLeaf:
             gain = max(gains, default=-np.inf)
             if gain == -np.inf:
                 continue
-            n_parameters = added_parameters(mapping, has_errors=False, n_values=target.n_values)
+            n_parameters = added_parameters(
+                mapping, has_errors=False, n_values=target.n_values, shape=self.settings.covagg.shape
+            )
             ranked.append((likelihood_ratio_p(gain, n_parameters), -gain, number))
         return [self.expansions[number] for *_, number in sorted(ranked)[: plan.n_kept]], n_questions
 
     def _gain(self, target: Target, view: View, bags: Bags, space: Space, rng: np.random.Generator) -> float:
         """Return what the best volume found with little effort adds to the likelihood of the scenes drawn."""
+        wanted = self.settings.covagg
         score = best_score(
             bags.points,
             bags.starts,
@@ -231,7 +235,7 @@ class _ScreenedLeaf:
             space=space,
             objective=view.objective,
             evidence=view.evidence,
-            settings=self.plan.covagg,
+            settings=replace(self.plan.covagg, shape=wanted.shape, learner=wanted.learner),
         )
         return -np.inf if score == -np.inf else target.gain(view, score, bags.scenes)
 
@@ -278,7 +282,7 @@ def _tried(
             settings=settings,
         )
         if found is not None:
-            best = _better(best, at.judged(question, found.volume, target))
+            best = _better(best, at.judged(question, found.volume, target, shape=settings.shape))
     return best
 
 
