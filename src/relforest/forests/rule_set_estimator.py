@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
 from scipy.special import expit, logit, xlogy
@@ -39,6 +39,11 @@ if TYPE_CHECKING:
     from relforest.trees.weights import ClassWeight
 
 
+_LEARNING_RATE: Final = 0.05
+# Rules for several causes are found below a first question; rules that differ are worth more than the best.
+RULE_GROWTH: Final = GrowthSettings(max_leaves=4, share=0.2)
+
+
 @final
 class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[misc]  # scikit-learn is untyped
     """Rule set: any of a few conditions holds, chosen by description length.
@@ -58,7 +63,8 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
     n_trees : int, default 200
         Trees of the boosted model that proposes the rules.
     growth : GrowthSettings, optional
-        What a rule may be, and what is tried at every node of that model.
+        What a rule may be, and what is tried at every node of that model. Default: trees of four leaves,
+        and a fifth of the half-lines for further statements.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -156,8 +162,8 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         return rule_set_in_words(self.ensemble_, self._scored(), most=at_least("most", most, 1))
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings, RuleSetSettings]:
-        how = BoostingSettings(self.n_trees)
-        growth = growth_settings(self.growth, GrowthSettings())
+        how = BoostingSettings(self.n_trees, _LEARNING_RATE)
+        growth = growth_settings(self.growth, RULE_GROWTH)
         chosen = RuleSetSettings() if self.rules is None else self.rules
         if not isinstance(chosen, RuleSetSettings):
             raise InputError(f"rules must be RuleSetSettings or None, got {chosen!r:.100}")

@@ -46,12 +46,12 @@ class GrowthSettings:
         If a value is outside its range.
     """
 
-    max_leaves: int = 4
+    max_leaves: int = 2
     max_statements: int = 3
     max_free: int | None = None
     max_count: int = 1
     first_share: float = 1.0
-    share: float = 0.2
+    share: float = 1.0
     n_discs: int = 8
     min_scenes: int = 3
     penalty: float = 1.0
