@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from scipy.special import expit
+
 from relforest.forests.explanations import node_means
 from relforest.forests.scene_tree import Split, Value
 from relforest.forests.words import sentence
@@ -53,7 +55,9 @@ def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
 
 
 def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:
-    """Return the best rule set, which is the first tree: a line for each rule, and one for all other scenes.
+    """Return the best rule set, the first tree: a line for each rule, and one for all other scenes.
+
+    Leaves contain log-odds.
 
     Parameters
     ----------
@@ -69,12 +73,11 @@ def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
         f"    {_outcome(leaf)}  if {sentence(split.condition, ensemble.schema)}"
         for split, leaf in zip(best.splits[:most], held, strict=False)
     ]
-    share = float(ensemble.weights[0])
     title = f"Probability of {of}, by the first rule that holds"
-    told = f" (the best of {len(ensemble.trees)} rule sets, weight {share:.2f})" if share < 1.0 else ""
+    told = " (the best rule set; others and boosted trees predict with it)" if len(ensemble.trees) > 1 else ""
     return "\n".join([title + told, *lines, f"    {_outcome(other)}  otherwise"])
 
 
 def _outcome(leaf: Value) -> str:
     count = f"{leaf.n_scenes} {'scene' if leaf.n_scenes == 1 else 'scenes'}"
-    return f"{probability(leaf.numbers[0])} ({count})"
+    return f"{probability(float(expit(leaf.numbers[0])))} ({count})"
