@@ -217,8 +217,9 @@ class ScreenedLeaf:
             for _ in range(self._tries(question)):
                 best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
         if best is not None:
-            for _ in range(self._tries(best.question) - 1):
-                best = _better(best, _tried(best.question, target, at, self.settings.covagg, rng))
+            question = best.question
+            for _ in range(self._tries(question) - 1):
+                best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
         if best is None:
             return None
         if best.question.sequences.ratio > 1.0:
