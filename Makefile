@@ -3,7 +3,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
-PROGRAMS := tests/cli tests/experiments
+KERNELS := forests mappings mil rl trees volumes worlds/keepaway
 
 .PHONY: run test check coverage bench clean
 
@@ -19,10 +19,10 @@ check: $(STAMP)
 	$(BIN)/mypy src tests $(wildcard benchmarks)
 	$(BIN)/lint-imports
 
-# Coverage cannot see compiled code, so the kernels run as plain Python, but not beneath whole programs and studies.
+# Coverage cannot see compiled code, so the packages that have kernels are tested once more as plain Python.
 coverage: $(STAMP)
-	$(BIN)/python -m pytest -n 2 --cov --cov-report= --cov-fail-under=0 $(PROGRAMS)
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --cov --cov-append --cov-report=term $(PROGRAMS:%=--ignore=%)
+	PYTEST_ADDOPTS="--cov --cov-report= --cov-fail-under=0" $(MAKE) test
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --cov --cov-append --cov-report=term $(KERNELS:%=tests/%)
 
 bench: $(STAMP)
 	set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done

@@ -49,9 +49,10 @@ from relforest.rl.value import ValueFunction
 from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read_table
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
-from relforest.trees import query
+from relforest.trees import Tree, query
+from relforest.volumes import Slab
+from reports.drawn_trees import NEAR, five_questions, question, scenes_of
 from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
-from reports.drawn_trees import five_questions, scenes_of
 from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes
 
 TABLE: Final = "".join(
@@ -209,6 +210,12 @@ def _use_model(path: Path) -> None:
         save_figure(figure, path.with_suffix(".svg" if path.stat().st_size % 16 else ".png"))
 
 
+def _six_questions() -> Tree:
+    """Volumes of all shapes."""
+    tree = five_questions()
+    return tree.expanded(tree.n_leaves - 1, 0, question("difference", "location", (0, 1), Slab(NEAR, 1, 2)))
+
+
 def _trees(folder: Path) -> None:
     for names, trees in zip(NAMES, FORESTS, strict=True):
         for name, tree in zip(names, trees, strict=True):
@@ -359,7 +366,7 @@ FORMATS: Final[Mapping[str, Format]] = {
         _smrf_forest, {"forest.json": _JSON}, lambda folder: _use_ensemble(folder / "forest.json"), 0.7
     ),
     "tree": Format(
-        lambda folder: (folder / "tree.json").write_text(json.dumps(five_questions().to_dict())),
+        lambda folder: (folder / "tree.json").write_text(json.dumps(_six_questions().to_dict())),
         {"tree.json": _JSON},
         lambda folder: _use_model(folder / "tree.json"),
         0.7,

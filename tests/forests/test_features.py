@@ -132,7 +132,7 @@ def test_a_distance_by_hand() -> None:
     ]
     assert features(ensemble, scenes, "counts").tolist() == [[0, 2, 1, 1], [0, 0, 0, 1]]
     assert feature_names(ensemble, "counts")[0] == (
-        "tree 1, question 1, count: some object is within 3 of the passer and has team other"
+        "tree 1, question 1, count: some object with team other is within 3 of the passer"
     )
 
 

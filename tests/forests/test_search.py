@@ -8,13 +8,23 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from forest_scenes import random_scenes
+from forest_scenes import TEAM, random_scenes
 from relforest.forests import Ensemble, GrowthSettings
 from relforest.forests.bindings import bindings
 from relforest.forests.columns import columns
 from relforest.forests.growth import grow_tree
-from relforest.forests.kernels import Plan, Search, Targets, best_limit
+from relforest.forests.kernels import Plan, Search, Targets, best_limit, order_scenes, work_space
 from relforest.forests.questions import condition_in_words
+from relforest.forests.rows import (
+    AT_LEAST,
+    AT_MOST,
+    LARGE,
+    SMALL,
+    Choices,
+    allow_all,
+    least_values,
+    restrict,
+)
 from relforest.forests.tables import condition_tables
 from relforest.scenes import Attribute, Scenes, Schema
 
@@ -24,6 +34,16 @@ def score(targets: Targets, chosen: NDArray[Any], penalty: float) -> float:
     return float((g**2 / (h + penalty)).sum())
 
 
+def searched(least: NDArray[np.float64], n_outputs: int) -> Search:
+    """Work space with these least values, in order."""
+    n = len(least)
+    none = Choices(np.empty(0, dtype=np.int64), np.zeros(1, dtype=np.int64))
+    sums = np.empty((2, 2, n_outputs))
+    work = Search(least, np.empty(n, dtype=np.int64), np.ones(n, dtype=np.bool_), none, none, sums)
+    order_scenes(np.arange(n), work)
+    return work
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_the_best_limit_is_that_of_brute_force(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -31,11 +51,10 @@ def test_the_best_limit_is_that_of_brute_force(seed: int) -> None:
     values = rng.integers(0, 12, n).astype(np.float64)
     values[rng.random(n) < 0.2] = np.inf
     targets = Targets(rng.standard_normal((n, 2)), rng.uniform(0.1, 1, (n, 2)))
-    plan = Plan(1, 1, 0, least_scenes, 1.0, 1.0, penalty)
-    work = Search(values.copy(), np.empty(0, bool), np.empty(0, bool), np.empty((2, 2, 2)))
+    plan = Plan(1, 1, 0, least_scenes, 1.0, 1.0, penalty, 1.0)
 
     is_category = False
-    gain, limit = best_limit(np.arange(n), targets, is_category, plan, work)
+    gain, limit = best_limit(np.arange(n), targets, is_category, plan, searched(values.copy(), 2))
 
     gains = {}
     for threshold in np.unique(values[values < np.inf]):
@@ -83,17 +102,65 @@ def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
     assert sum(split.gain for split in tree.splits) == pytest.approx(gained)
 
 
+@pytest.mark.parametrize("n_parameters", [0, 2])
+def test_least_values_are_those_of_the_choices_that_earlier_statements_allow(n_parameters: int) -> None:
+    rng = np.random.default_rng(n_parameters)
+    tables = condition_tables(random_scenes(rng, 12, n_parameters), 2, most=1000, rng=rng)
+    scenes = np.array([1, 4, 5, 9])
+    for table in (each.table for each in tables):
+        work = work_space(table, scenes, 1)
+        for number, (kind, column) in enumerate(table.bounds[: table.firsts[0]]):
+            statement = np.array([kind, column, -1, 0, 0, 0, 0, 1.0])
+            earlier = np.array([AT_MOST, 0, -1, 0, 0, 0, 0, 1.0])
+            sign = -1.0 if kind in {AT_LEAST, LARGE} else 1.0
+            values = sign * (np.abs(table.values) if kind in {SMALL, LARGE} else table.values)[column]
+            spans = [slice(table.starts[scene], table.starts[scene + 1]) for scene in scenes]
+
+            allow_all(table, scenes, work.inside)
+            least_values(table, scenes, work.inside, statement, 2, work.least)
+            assert [second(values[span]) for span in spans] == work.least[scenes].tolist()
+            assert [min(known(values[span])) for span in spans] == table.least[number, scenes].tolist()
+            ordered = table.least[number, table.order[number]].tolist()
+            assert ordered == sorted(ordered)
+
+            restrict(table, earlier, work.inside)
+            least_values(table, scenes, work.inside, statement, 2, work.least)
+            allowed = [values[span][table.values[0, span] <= 1.0] for span in spans]
+            assert [second(each) for each in allowed] == work.least[scenes].tolist()
+
+
+def known(values: NDArray[np.float64]) -> list[float]:
+    """Defined values, or an infinite one."""
+    return [*values[~np.isnan(values)].tolist(), np.inf]
+
+
+def second(values: NDArray[np.float64]) -> float:
+    """The second smallest value, infinite if there are fewer."""
+    return float(sorted([*known(values), np.inf])[1])
+
+
+def test_a_condition_about_one_kind_is_found_where_that_kind_alone_tells_nothing() -> None:
+    # A guest and a home player at mirrored places: without their teams, all scenes look alike.
+    guests = np.repeat([2.0, 8.0], 6)
+    matrix = np.column_stack([np.ravel([guests, 10.0 - guests], "F"), np.tile([1.0, 0.0], 12)])
+    schema = Schema([Attribute("x"), TEAM])
+    scenes = Scenes(schema, matrix, np.arange(24), np.arange(0, 24, 2), np.full(12, 2))
+    targets = Targets(np.where(guests < 5, -1.0, 1.0)[:, None], np.ones((12, 1)))
+    rng = np.random.default_rng(0)
+    tables = condition_tables(scenes, 1, most=1000, rng=rng)
+    settings = GrowthSettings(max_leaves=2, max_statements=2, share=1.0, n_discs=0)
+    grown = grow_tree(tables, np.arange(12), targets, settings, rng)
+
+    assert np.unique(grown.leaves(np.arange(6))).size == 1
+    assert grown.tree.splits[0].gain == pytest.approx(0.5 * (36 / 7 + 36 / 7))
+
+
 def test_the_limit_of_a_category_separates_right_from_wrong() -> None:
     # Two scenes where it is right, two where it is wrong, two without a choice; these differ most.
-    work = Search(
-        np.array([0.0, 0.0, 1.0, 1.0, np.inf, np.inf]),
-        np.empty(0, bool),
-        np.empty(0, bool),
-        np.empty((2, 2, 1)),
-    )
+    work = searched(np.array([0.0, 0.0, 1.0, 1.0, np.inf, np.inf]), 1)
     targets = Targets(np.array([[1.0], [1], [0], [0], [-9], [-9]]), np.ones((6, 1)))
     is_category = True
-    gain, limit = best_limit(np.arange(6), targets, is_category, Plan(1, 1, 0, 1, 1.0, 1.0, 1.0), work)
+    gain, limit = best_limit(np.arange(6), targets, is_category, Plan(1, 1, 0, 1, 1.0, 1.0, 1.0, 1.0), work)
 
     # 2^2 / 3 + 18^2 / 5 - 16^2 / 7.
     assert gain == pytest.approx(4 / 3 + 324 / 5 - 256 / 7)

@@ -138,7 +138,7 @@ def test_several_statements_and_objects() -> None:
     pair = Statement(Mapping("distance", SCHEMA["location"]), (2, 3), Bound(0, "at most", 1.0))
 
     assert sentence(Condition(1, (near, other, pass_)), SCHEMA) == (
-        "some object is within 3 of the passer and has another team than the passer; the target is at "
+        "some object with another team than the passer is within 3 of the passer; the target is at "
         "least 9 from the passer"
     )
     assert sentence(Condition(1, (near, other), 2), SCHEMA) == (

@@ -14,7 +14,7 @@ from sklearn.model_selection import cross_val_score
 
 from relforest import CovAggClassifier
 from relforest.support.errors import InputError
-from relforest.volumes import Ellipsoid
+from relforest.volumes import Ellipsoid, Slab
 
 Floats = NDArray[np.float64]
 N_BAGS, SIZE = 24, 3
@@ -57,13 +57,18 @@ def fitted(bags: Any = BAGS, y: Any = Y, **options: Any) -> CovAggClassifier:
     return CovAggClassifier(random_state=0, **options).fit(bags, y)
 
 
+def ellipsoid_of(model: CovAggClassifier) -> Ellipsoid:
+    assert isinstance(model.volume_, Ellipsoid)
+    return model.volume_
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_all_forms_of_bags_give_the_same_volume_and_predictions(form: str) -> None:
     model, expected = fitted(FORMS[form]), fitted()
 
     assert model.volume_.radius == pytest.approx(expected.volume_.radius, rel=1e-5)
     np.testing.assert_allclose(model.volume_.mean, expected.volume_.mean, rtol=1e-5)
-    np.testing.assert_allclose(model.volume_.covariance, expected.volume_.covariance, rtol=1e-5)
+    np.testing.assert_allclose(ellipsoid_of(model).covariance, ellipsoid_of(expected).covariance, rtol=1e-5)
     assert model.predict(FORMS[form]).tolist() == expected.predict(BAGS).tolist() == Y.tolist()
     np.testing.assert_allclose(
         model.decision_function(FORMS[form]), expected.decision_function(BAGS), rtol=1e-5
@@ -128,7 +133,7 @@ def test_decision_is_radius_minus_witness_distance(form: str) -> None:
 def test_a_witness_on_the_boundary_is_inside() -> None:
     # Keys 0 and 2: mean 1; the boundary lies midway between 2 and 6, that is at 4 and -2.
     model = fitted([[[0.0]], [[2.0]], [[6.0]]], [1, 1, 0])
-    on_boundary = model.volume_.mean[0] + model.volume_.axes[0, 0]
+    on_boundary = model.volume_.mean[0] + ellipsoid_of(model).axes[0, 0]
 
     assert abs(on_boundary - 1) == pytest.approx(3)
     assert model.decision_function([[[on_boundary]]]) == pytest.approx(0, abs=1e-12)
@@ -193,7 +198,7 @@ def test_duplicate_instances_change_nothing_but_the_prior() -> None:
     model = fitted(np.concatenate([BAGS, BAGS], axis=1))
 
     np.testing.assert_allclose(model.volume_.mean, fitted().volume_.mean)
-    np.testing.assert_allclose(model.volume_.covariance, fitted().volume_.covariance)
+    np.testing.assert_allclose(ellipsoid_of(model).covariance, ellipsoid_of(fitted()).covariance)
 
 
 def test_many_more_features_than_bags() -> None:
@@ -203,7 +208,7 @@ def test_many_more_features_than_bags() -> None:
     model = fitted(bags)
 
     assert model.score(bags, Y) >= 0.9
-    covariance = model.volume_.covariance
+    covariance = ellipsoid_of(model).covariance
     assert (covariance == covariance.T).all()
 
 
@@ -218,7 +223,7 @@ def test_numpy_numbers_as_parameters() -> None:
     # Such as a grid search over arrays passes; the volume must still go into JSON.
     model = fitted(window=np.int64(8), prior_weight=np.float32(0.25), max_condition=np.int64(100))
 
-    assert type(model.volume_.prior_weight) is float
+    assert type(ellipsoid_of(model).prior_weight) is float
     assert model.volume_.to_dict()["prior_weight"] == 0.25
 
 
@@ -232,6 +237,8 @@ def test_parameters_are_those_of_scikit_learn() -> None:
         "max_condition": 1e5,
         "restarts": 2,
         "sampled": 1,
+        "shape": "full",
+        "learner": "covagg",
         "random_state": None,
     }
 
@@ -299,6 +306,24 @@ def test_prediction_needs_a_fitted_model_and_points_of_its_space(method: str) ->
         getattr(fitted(), method)([[[np.nan, 0.0]]])
     with pytest.raises(InputError, match=r"values beyond 1e.30"):
         getattr(fitted(), method)([[[4.0, 4.0], [1e200, 0.0]]])
+
+
+@pytest.mark.parametrize("learner", ["covagg", "diverse-density"])
+@pytest.mark.parametrize("shape", ["full", "diagonal", "axis"])
+def test_other_volumes(shape: Any, learner: Any) -> None:
+    model, again = (fitted(shape=shape, learner=learner) for _ in range(2))
+
+    assert model.score(BAGS, Y) >= 0.9
+    assert isinstance(model.volume_, Slab) == (shape == "axis")
+    assert model.volume_.to_dict() == again.volume_.to_dict()
+    inside = [bool(model.volume_.contains(bag).any()) for bag in BAGS]
+    assert model.predict(BAGS).tolist() == inside
+
+
+@pytest.mark.parametrize("option", ["shape", "learner"])
+def test_unknown_volumes_are_refused(option: str) -> None:
+    with pytest.raises(InputError, match=f"{option} must be one of"):
+        fitted(**{option: "round"})
 
 
 def test_a_search_without_result_is_a_fault_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:

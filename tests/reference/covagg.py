@@ -34,6 +34,7 @@ class Settings:
     max_condition: float = 1e5
     restarts: int = 4
     sampled: int = 4
+    shape: Literal["full", "diagonal"] = "full"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,7 +218,10 @@ def _fit(problem: Problem, keys: Floats) -> Model | None:
     else:
         mean = keys.mean(axis=0)
         centred = keys - mean
-        covariance = conditioned(centred.T @ centred + problem.prior, problem.settings.max_condition)
+        posterior = centred.T @ centred + problem.prior
+        if problem.settings.shape == "diagonal":
+            posterior = np.diag(np.diag(posterior))
+        covariance = conditioned(posterior, problem.settings.max_condition)
         offsets = problem.points - mean
         squared = np.einsum("ij,ij->i", offsets @ np.linalg.inv(covariance), offsets)
     nearest = np.minimum.reduceat(squared, problem.starts[:-1])

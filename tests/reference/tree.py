@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from relforest.scenes import Scenes
 from relforest.trees import Instantiation, Question, Tree
 from relforest.trees.nodes import AnyLeaf
-from relforest.volumes import Arc, Ellipsoid
+from relforest.volumes import Arc, Slab, Volume
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -169,12 +169,14 @@ def _evaluate(question: Question, scenes: Scenes, objects: Integers) -> Floats:
     return np.column_stack([along / scale, across / scale])
 
 
-def _compare(volume: Ellipsoid | Arc, values: Floats) -> tuple[Floats, Floats]:
+def _compare(volume: Volume, values: Floats) -> tuple[Floats, Floats]:
     """Return distances to the centre of the volume and log densities, both (s,)."""
     if isinstance(volume, Arc):
         offsets = values[:, 0] - volume.mean
         distances = np.abs((offsets + np.pi) % (2 * np.pi) - np.pi)
         return distances, volume.kappa * (np.cos(offsets) - 1)
+    if isinstance(volume, Slab):
+        return _compare(volume.interval, values[:, [volume.axis]])
     offsets = values - volume.mean
     squared = np.einsum("ij,ij->i", offsets @ np.linalg.inv(volume.covariance), offsets)
     return np.sqrt(squared), -squared * (volume.n_keys + volume.prior_weight) / 2

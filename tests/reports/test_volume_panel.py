@@ -15,7 +15,7 @@ from relforest.reports import save_figure
 from relforest.reports.question_panel import volume_table
 from relforest.reports.question_points import QuestionPoints
 from relforest.reports.volume_panel import draw_volume
-from relforest.volumes import Arc, Ellipsoid, Volume, volume_from_dict
+from relforest.volumes import Arc, Ellipsoid, Slab, Volume, volume_from_dict
 from reports.drawn_trees import BALL, DISC, NEAR, SCHEMA, texts_of
 
 DIFFERENCE = Mapping("difference", SCHEMA["location"])
@@ -127,6 +127,14 @@ def test_frames_name_their_axes(axes: Axes) -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("along", "across")
 
 
+def test_a_slab_is_drawn_as_the_interval_of_its_coordinate(axes: Axes) -> None:
+    draw_volume(axes, DIFFERENCE, Slab(NEAR, 1, 2), points((0, 1), (9, 3)), np.array([5.0, 1.5]))
+
+    assert axes.get_xlabel() == "location 2"
+    assert axes.get_xlim()[1] < 5.0
+    assert volume_table(Slab(NEAR, 1, 2)) == volume_table(NEAR)
+
+
 def test_tables_of_volumes() -> None:
     assert volume_table(NEAR) == (("mean", "0"), ("extent", "2"))
     assert volume_table(Arc(1.0, 0.25, 3.0)) == (("mean", "1 rad"), ("radius", "0.25 rad"), ("kappa", "3"))
@@ -146,6 +154,8 @@ EXTREME_VOLUMES: dict[str, Volume] = {
     "huge interval": Ellipsoid(np.array([3.0]), np.array([[1e80]]), 1.0, 5, 0.1),
     "huge ball": Ellipsoid(np.zeros(3), np.eye(3), 1e40, 5, 0.1),
     "point": Ellipsoid(np.ones(3) * 1e40, np.eye(3) * 1e-99, 1e-90, 5, 0.1),
+    "far slab": Slab(Ellipsoid(np.array([-1e40]), np.eye(1), 1e-90, 5, 0.1), 1, 2),
+    "huge slab": Slab(Ellipsoid(np.array([3.0]), np.array([[1e80]]), 1.0, 5, 0.1), 0, 3),
     "all around": Arc(1e6, 1e6, 1e12),
     "no arc": Arc(-1e6, 0.0, 0.0),
 }

@@ -76,6 +76,19 @@ def test_settings_from_before_there_were_two_searches_are_read() -> None:
     assert RPISettings().tree.search == "exhaustive"
 
 
+def test_only_other_volumes_are_named_so_that_older_runs_can_be_resumed() -> None:
+    assert set(RPISettings().to_dict()["tree"]["covagg"]) == {
+        "window",
+        "prior_weight",
+        "max_condition",
+        "restarts",
+        "sampled",
+    }
+    other = RPISettings(tree=TreeSettings(covagg=CovAggSettings(shape="axis", learner="diverse-density")))
+    assert other.to_dict()["tree"]["covagg"]["shape"] == "axis"
+    assert RPISettings.from_dict(json.loads(json.dumps(other.to_dict()))) == other
+
+
 @pytest.mark.parametrize("document", [None, [], {}, "settings"])
 def test_other_things_are_no_settings(document: object) -> None:
     with pytest.raises(ModelFormatError, match="malformed RPISettings"):

@@ -16,8 +16,9 @@ from relforest.scenes import Attribute, Schema
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, write_json
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree, query, structure
+from relforest.trees.node_json import node_to_dict
 from relforest.trees.tree import FORMAT, VERSION
-from relforest.volumes import Arc, Ellipsoid
+from relforest.volumes import Arc, Ellipsoid, Slab
 from small_trees import ball, leaf, scenes_in
 
 Document = dict[str, Any]
@@ -315,6 +316,16 @@ def many_attributes(count: int, dim: int = 1) -> Document:
 def test_what_could_not_be_learned_is_too_large(change: Callable[[Document], object], message: str) -> None:
     with pytest.raises(ModelFormatError, match=message):
         Tree.from_dict(changed(change))
+
+
+def test_matrices_of_slabs_are_bounded() -> None:
+    schema = Schema((Attribute("weights", 50_000),))
+    wide = Slab(ball([0.0], 1.0), 1, 50_000)
+    question = Question(Mapping("identity", schema["weights"]), (0,), wide, 2, 3, 4)
+    document = Tree(schema, (leaf(0.5),)).to_dict()
+    document["nodes"] = [node_to_dict(node) for node in (Instantiation(1), question, *(leaf(0.5),) * 3)]
+    with pytest.raises(ModelFormatError, match="numbers in the matrices of its slabs is too large"):
+        Tree.from_dict(document)
 
 
 def test_long_branches_are_bounded_in_all(monkeypatch: pytest.MonkeyPatch) -> None:

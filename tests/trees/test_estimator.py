@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 from dataclasses import asdict
 from typing import Any
@@ -19,8 +20,9 @@ from sklearn.utils.estimator_checks import (
 
 from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, SMRFTreeRegressor
 from relforest.support.errors import InputError
-from relforest.trees import Explanation, Question, TreeSettings, query
-from relforest.volumes import Ellipsoid
+from relforest.trees import Explanation, Question, Tree, TreeSettings, query
+from relforest.trees.significance import likelihood_ratio_p
+from relforest.volumes import CovAggSettings, Ellipsoid
 
 SCHEMA = Schema((Attribute("location", 2, operations=("distance",)),), ("passer",))
 
@@ -164,9 +166,10 @@ def test_parameters_are_those_of_scikit_learn() -> None:
 
 def test_defaults_are_those_of_the_settings() -> None:
     settings = asdict(TreeSettings())
-    del settings["covagg"]
+    assert settings.pop("covagg") == asdict(CovAggSettings())
+    settings["covagg"] = None
 
-    assert SMRFTreeRegressor().get_params() == settings | {
+    assert SMRFTreeRegressor().get_params() == settings | {"decides": "either"} | {
         "random_state": None,
         "n_jobs": 1,
         "verbose": False,
@@ -177,6 +180,69 @@ def test_defaults_are_those_of_the_settings() -> None:
         "n_jobs": 1,
         "verbose": False,
     }
+
+
+def in_a_strip(n: int = 40) -> tuple[Scenes, NDArray[np.bool_]]:
+    """Two objects in a square; positive if one of them has y below -3, x being all the same."""
+    rng = np.random.default_rng(3)
+    places, labels = rng.uniform([-9, -2], 9, size=(n, 2, 2)), np.arange(n) % 2 == 0
+    places[labels, 0, 1] = rng.uniform(-8, -4, size=n // 2)
+    records = [{"objects": [{"location": place} for place in scene]} for scene in places.tolist()]
+    schema = Schema((Attribute("location", 2, operations=("identity", "difference")),))
+    return Scenes.from_dicts(records, schema), labels
+
+
+@pytest.mark.parametrize("search", ["screened", "exhaustive"])
+@pytest.mark.parametrize("learner", ["covagg", "diverse-density"])
+def test_volumes_of_one_coordinate(search: Any, learner: Any) -> None:
+    scenes, labels = in_a_strip()
+    model = SMRFTreeClassifier(
+        random_state=0, attempts=1, search=search, covagg=CovAggSettings(shape="axis", learner=learner)
+    ).fit(scenes, labels)
+    again = Tree.from_dict(json.loads(json.dumps(model.tree_.to_dict())))
+
+    assert model.score(scenes, labels) == 1.0
+    assert str(model.tree_).splitlines()[1].startswith("there is an A such that y of A is between -")
+    np.testing.assert_array_equal(query(again, scenes).leaf, model.apply(scenes))
+    # -2 log L of 40 scenes falls from 40 ln 4 to 0, by centre, width, which coordinate, and a leaf.
+    assert model.steps_[0].p_value == pytest.approx(likelihood_ratio_p(40 * np.log(2), 4))
+
+
+def test_the_permutation_test_takes_other_volumes() -> None:
+    volumes = CovAggSettings(learner="diverse-density")
+    model = fitted(test="permutation", permutations=3, alpha=0.25, attempts=1, covagg=volumes)
+    assert model.score(SCENES, Y) == 1.0
+
+
+@pytest.mark.parametrize("search", ["screened", "exhaustive"])
+def test_volumes_along_the_axes(search: Any) -> None:
+    scenes, labels = in_a_strip()
+    model = SMRFTreeClassifier(
+        random_state=0, attempts=1, search=search, covagg=CovAggSettings(shape="diagonal")
+    )
+    question = model.fit(scenes, labels).tree_.nodes[1]
+
+    assert isinstance(question, Question)
+    assert isinstance(question.volume, Ellipsoid)
+    assert question.volume.covariance[0, 1] == 0.0
+    assert model.steps_[0].p_value == pytest.approx(likelihood_ratio_p(model.steps_[0].gain, 5))
+
+
+def test_regression_with_other_volumes() -> None:
+    scenes, labels = in_a_strip()
+    for settings in (
+        CovAggSettings(shape="axis", learner="diverse-density"),
+        CovAggSettings(shape="diagonal"),
+    ):
+        model = SMRFTreeRegressor(random_state=0, attempts=1, covagg=settings).fit(scenes, 1.0 + labels)
+        assert model.score(scenes, 1.0 + labels) > 0.9
+
+
+def test_volumes_are_settings() -> None:
+    with pytest.raises(InputError, match=r"covagg must be CovAggSettings\(\.\.\.\) or None, got 'axis'"):
+        fitted(covagg="axis")
+    model = clone(SMRFTreeClassifier(covagg=CovAggSettings(shape="axis")))
+    assert model.covagg == CovAggSettings(shape="axis")
 
 
 def test_cross_validation_takes_scenes() -> None:

@@ -79,9 +79,30 @@ def test_three_classes(search: Any) -> None:
     assert str(model.explain(scenes)[0]).startswith("scene 0: 0.00, 1.00, 0.00, leaf ") == (y[0] == "huge")
 
 
+def test_low_values_may_be_explained_by_what_exists() -> None:
+    train, test = near_and_far(3, 50, 0), near_and_far(6, 40, 1)
+    y = nearest(train)
+    lowest, highest, either = (
+        SMRFTreeRegressor(decides=decides, attempts=1, random_state=0).fit(train, y)
+        for decides in ("lowest", "highest", "either")
+    )
+
+    assert lowest.score(test, nearest(test)) > max(0.5, highest.score(test, nearest(test)))
+    assert either.score(test, nearest(test)) > 0.5
+    tree = again(lowest.tree_)
+    assert tree.to_dict() == lowest.tree_.to_dict()
+    means = np.array([y[lowest.apply(train) == leaf].mean() for leaf in np.unique(lowest.apply(train))])
+    assert np.unique(lowest.predict(train)) == pytest.approx(np.sort(means))
+    # Of the leaves that a scene reaches, the one with the lowest mean decides.
+    assert tree.leaf_predictions.tolist() == (-tree.leaf_probabilities).tolist()
+    assert "lowest" not in str(highest.tree_.to_dict())
+    with pytest.raises(InputError, match="decides must be one of"):
+        SMRFTreeRegressor(decides="both").fit(train, y)  # type: ignore[arg-type]
+
+
 def test_a_relation_is_explained_by_regression() -> None:
     train, test = near_and_far(3, 50, 0), near_and_far(6, 40, 1)
-    model = SMRFTreeRegressor(attempts=1, random_state=0).fit(train, -nearest(train))
+    model = SMRFTreeRegressor(decides="highest", attempts=1, random_state=0).fit(train, -nearest(train))
 
     assert not model.tree_.is_stub
     assert model.score(test, -nearest(test)) > 0.5
@@ -101,7 +122,7 @@ def test_a_relation_is_explained_by_regression() -> None:
 def test_regression_refuses_noise() -> None:
     rng = np.random.default_rng(0)
     scenes = of_weights(rng.uniform(0, 4, size=(30, 2)))
-    model = SMRFTreeRegressor(test="permutation", permutations=19, random_state=0)
+    model = SMRFTreeRegressor(decides="highest", test="permutation", permutations=19, random_state=0)
     y = rng.normal(size=30)
 
     assert model.fit(scenes, y).tree_.is_stub

@@ -10,7 +10,7 @@ import pytest
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
 from relforest.trees.places import place
-from relforest.volumes import Arc, Ellipsoid
+from relforest.volumes import Arc, Ellipsoid, Slab
 
 LOCATION = Attribute("location", 2)
 SCHEMA = Schema((LOCATION,))
@@ -86,6 +86,23 @@ def test_places_seen_from_one_object_towards_another(
 )
 def test_offsets(mean: Sequence[float], half: Sequence[float], expected: str) -> None:
     assert where("difference", mean, half) == expected
+
+
+def test_where_only_one_coordinate_counts() -> None:
+    location, names = Attribute("location", 2), ["A", "B", "C"]
+
+    def said(operation: str, axis: int, centre: float, half: float) -> str:
+        interval = Ellipsoid(np.array([centre]), np.array([[half * half]]), 1.0, 3, 0.1)
+        return place(Mapping(operation, location), Slab(interval, axis, 2), names)
+
+    assert said("difference", 1, -3, 2) == "at smaller y than A"
+    assert said("difference", 1, 0, 2) == ""
+    assert said("reframe", 0, 3, 2) == f"in front of A, {LOOKING}"
+    assert said("reframe", 1, 3, 2) == f"on the left of A, {LOOKING}"
+    assert said("reframe", 0, 0, 2) == ""
+    assert said("scaled_reframe", 0, 3, 1) == "beyond B, looking from A"
+    # The way has no end on either side.
+    assert said("scaled_reframe", 0, 0.5, 0.2) == ""
 
 
 def test_offsets_in_space() -> None:

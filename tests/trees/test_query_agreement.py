@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,16 @@ from reference import tree as twin
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree, query
-from relforest.volumes import Ellipsoid
+from relforest.volumes import Ellipsoid, Slab
+
+
+def of_one_coordinate(node: Node) -> Node:
+    """The same question about the last coordinate of several."""
+    if not isinstance(node, Question) or not isinstance(node.volume, Ellipsoid) or node.volume.dim == 1:
+        return node
+    volume = node.volume
+    interval = Ellipsoid(volume.mean[-1:], volume.covariance[-1:, -1:], volume.radius, volume.n_keys, 0.1)
+    return replace(node, volume=Slab(interval, volume.dim - 1, volume.dim))
 
 
 def check(tree: Tree, scenes: Scenes) -> list[twin.SceneAnswer]:
@@ -55,7 +65,9 @@ def near(scenes: Scenes, *, n_bound: int, variables: tuple[int, int], within: fl
 @pytest.mark.parametrize("seed", range(25))
 def test_random_trees_and_scenes(seed: int, n_parameters: int) -> None:
     rng = np.random.default_rng([n_parameters, seed])
-    check(random_tree(rng, n_parameters), random_scenes(rng, n_parameters))
+    tree, scenes = random_tree(rng, n_parameters), random_scenes(rng, n_parameters)
+    check(tree, scenes)
+    check(Tree(tree.schema, tuple(map(of_one_coordinate, tree.nodes))), scenes)
 
 
 @pytest.mark.parametrize("n_parameters", [0, 2])

@@ -7,17 +7,21 @@ import pytest
 from numpy.typing import NDArray
 
 from relforest.mappings import catalogue
-from relforest.scenes import Scenes
+from relforest.scenes import Attribute, Scenes, Schema
 from relforest.trees import Leaf, Tree, TreeSettings
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf, PreparedQuestion
 from relforest.trees.criterion import Target
-from relforest.trees.search import SEARCHES, Exhaustive, Screened, stratified
+from relforest.trees.expansions import Expansion
+from relforest.trees.search import SEARCHES, Exhaustive, Round, Screened, stratified
 from relforest.trees.sequences import Sequences, argument_places
 from relforest.trees.settings import SearchName
 from relforest.trees.structure import MAX_VARIABLES
+from relforest.volumes import CovAggSettings
 from small_trees import NOWHERE, Place, plane, scenes_in
 
 Booleans = NDArray[np.bool_]
+
+LITTLE = CovAggSettings(window=4, restarts=2, sampled=2)
 
 
 def arrivals_at_root(scenes: Scenes) -> Arrivals:
@@ -167,7 +171,7 @@ def test_few_scenes_suffice_to_find_the_best_question() -> None:
     root = OpenLeaf(
         Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
     )
-    plan = Screened(n_scenes=10, n_kept=1)
+    plan = Screened((Round(10, 3_000, 1, LITTLE),))
     found = plan.at(arrivals_at_root(scenes), TreeSettings(), rng).best(Target.binary(labels), root, rng)
 
     assert found is not None
@@ -175,6 +179,71 @@ def test_few_scenes_suffice_to_find_the_best_question() -> None:
     # All scenes were aggregated at the end, and all questions count.
     assert found.gain == pytest.approx(n * np.log(2))
     assert found.n_tried == 2 * 3
+
+
+def promising(scenes: Scenes, labels: Booleans, presence: Booleans, plan: Screened) -> list[Expansion]:
+    """Which questions stay at the last leaf of a tree whose leaves have these scenes."""
+    target = Target.binary(labels)
+    stub = Tree.stub(scenes.schema, Leaf(0.0, 0, 0))
+    at = OpenLeaf(stub, len(presence) - 1, presence, target.assign(presence))
+    rng = np.random.default_rng(0)
+    leaf = plan.at(arrivals_at_root(scenes), TreeSettings(), rng)
+    return leaf.screened(target, at, rng)[0]
+
+
+def test_what_another_leaf_explains_is_not_screened_for() -> None:
+    # Weights tell 12 of 18 positive scenes, which another leaf has, places the other 6.
+    rng = np.random.default_rng(0)
+    n = 36
+    labels = np.arange(n) < n // 2
+    is_heavy, is_near = np.arange(n) < 12, (np.arange(n) >= 12) & labels
+    schema = Schema([Attribute(name, 1, operations=("identity",)) for name in ("weight", "place")])
+    matrix = np.column_stack(
+        [
+            np.where(is_heavy, 5.0, 0.0) + rng.uniform(size=n),
+            np.where(is_near, 0.0, 5.0) + rng.uniform(size=n),
+        ]
+    )
+    own = np.arange(n)
+    scenes = Scenes(schema, matrix, own, own, np.ones(n, dtype=np.int64), np.empty((n, 0), dtype=np.int64))
+    everywhere = np.ones(n, dtype=np.bool_)
+    plan = Screened((Round(n, 100, 1, LITTLE),))
+
+    def best(presence: Booleans) -> list[str]:
+        return [expansion.mapping.name for expansion in promising(scenes, labels, presence, plan)]
+
+    assert best(everywhere[np.newaxis]) == ["identity(weight)"]
+    assert best(np.stack([is_heavy, everywhere])) == ["identity(place)"]
+
+
+def test_rounds_keep_fewer_and_fewer() -> None:
+    rng = np.random.default_rng(0)
+    n = 12
+    scenes = scenes_in(plane(), rng.uniform(size=(n, 3, 2)).tolist())
+    labels, presence = np.arange(n) % 2 == 0, np.ones((1, n), dtype=np.bool_)
+    # Twelve questions. A first round that would keep all of them is left out.
+    for first, last, n_kept in [(5, 2, 2), (12, 3, 3), (1, 3, 1)]:
+        plan = Screened((Round(8, 100, first, LITTLE), Round(12, 100, last, LITTLE)))
+        assert len(promising(scenes, labels, presence, plan)) == n_kept
+
+
+def test_questions_with_the_same_points_are_screened_once() -> None:
+    # Where both of two objects are bound, either may be asked for.
+    scenes = scenes_in(
+        plane(operations=("identity",)), np.random.default_rng(0).uniform(size=(8, 2, 2)).tolist()
+    )
+    labels, presence = np.arange(8) % 2 == 0, np.ones((1, 8), dtype=np.bool_)
+    pairs = arrivals_at_root(scenes).drawn(2, 100, np.random.default_rng(0))[2]
+    arrivals = Arrivals(scenes, argument_places(scenes), catalogue(scenes.schema), pairs)
+    target = Target.binary(labels)
+    at = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, target.assign(presence))
+    rng = np.random.default_rng(0)
+    leaf = Screened().at(arrivals, TreeSettings(), rng)
+    kept, n_questions = leaf.screened(target, at, rng)
+
+    assert [expansion.variables for expansion in kept] == [(0,)]
+    # But both are counted.
+    assert n_questions == 2
 
 
 def test_too_many_sequences_are_sampled_or_left_out() -> None:

@@ -30,6 +30,16 @@ def test_added_parameters_by_hand(operation: str, attribute: Attribute, expected
     assert added_parameters(mapping, has_errors=True) == expected + 1
 
 
+def test_parameters_of_other_shapes_by_hand() -> None:
+    color, weight = Mapping("identity", Attribute("color", 3)), Mapping("identity", Attribute("weight"))
+
+    # Centre and width for each of three; which one, its centre and its width; and one more leaf.
+    assert added_parameters(color, has_errors=False, shape="diagonal") == 7
+    assert added_parameters(color, has_errors=False, shape="axis") == 4
+    assert added_parameters(weight, has_errors=False, shape="diagonal") == 3
+    assert added_parameters(weight, has_errors=True, shape="axis") == 4
+
+
 @pytest.mark.parametrize("gain", [0.0, 0.5, 3.0, 12.6, 100.0, 700.0])
 @pytest.mark.parametrize("n_parameters", [3, 6, 10])
 def test_the_tail_of_chi_square(gain: float, n_parameters: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,8 +11,8 @@ import pytest
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree
-from relforest.trees.text import describe, fresh_variables, leaf_summary, one_sided_hint, sentence
-from relforest.volumes import Arc, Ellipsoid, Volume
+from relforest.trees.text import describe, fresh_variables, one_sided_hint, sentence
+from relforest.volumes import Arc, Ellipsoid, Slab, Volume
 from small_trees import ball, leaf, plane
 
 LOCATION = Attribute("location", 2)
@@ -33,12 +34,92 @@ def said(
     return sentence(Question(Mapping(operation, attribute), variables, volume, 1, 2, 3), fresh)
 
 
+def slab(axis: int, low: float, high: float, dim: int = 2) -> Slab:
+    return Slab(upright([(low + high) / 2], [(high - low) / 2]), axis, dim)
+
+
 FLAT = upright([1.5, -2], [2, 1])
 FLAT_SAID = "in the ellipse around (1.5, -2) that reaches 2 along (1, 0) and 1 across"
 RIGHT_OF_A = f"on the right of A, looking from A to B: {FLAT_SAID}, with A at (0, 0)"
 RING = upright([5], [2])
 COLOR = Attribute("color", 3)
 PALE = upright([0.9, 0.8, 0.1], [0.2, 0.2, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("operation", "attribute", "volume", "expected"),
+    [
+        ("identity", LOCATION, slab(0, 3, 5), "x of A is between 3 and 5"),
+        ("identity", COLOR, slab(2, 0.2, 0.4, 3), "component 3 of A's color is between 0.2 and 0.4"),
+        (
+            "identity",
+            Attribute("location", 4),
+            slab(3, 3, 5, 4),
+            "component 4 of A's location is between 3 and 5",
+        ),
+        ("difference", LOCATION, slab(1, 3, 5), "y of B is between 3 and 5 more than A's"),
+        ("difference", LOCATION, slab(1, -2, 2), "y of B is within 2 of A's"),
+        ("difference", COLOR, slab(0, -2, 0, 3), "component 1 of B's color is up to 2 less than A's"),
+        (
+            "scaled_reframe",
+            LOCATION,
+            slab(1, -0.2, 0.2),
+            "y of C is between -0.2 and 0.2, with A at (0, 0) and B at (1, 0)",
+        ),
+        (
+            "reframe",
+            LOCATION,
+            slab(0, 3, 5),
+            (
+                "C is in front of A, looking from A to B: x between 3 and 5, with A at (0, 0) and B straight "
+                "along (1, 0)"
+            ),
+        ),
+        (
+            "reframe",
+            Attribute("velocity", 2),
+            slab(0, 3, 5),
+            (
+                "component 1 of C's velocity is between 3 and 5, with A's at (0, 0) and B's straight along "
+                "(1, 0)"
+            ),
+        ),
+    ],
+)
+def test_slabs_speak_of_one_coordinate(
+    operation: str, attribute: Attribute, volume: Volume, expected: str
+) -> None:
+    variables = tuple(range(Mapping(operation, attribute).arity))
+    assert said(operation, attribute, variables, volume) == expected
+
+
+def test_the_coordinate_of_a_new_object() -> None:
+    assert said("identity", LOCATION, (1,), slab(0, 3, 5), (1,)) == (
+        "there is a B such that x of B is between 3 and 5"
+    )
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (-20, 30, "at most 30 degrees"),
+        (100, 200, "at least 100 degrees"),
+        (100, 180, "at least 100 degrees"),
+        (20, 30, "between 20 and 30 degrees"),
+        (-5, 190, "between 0 and 190 degrees"),
+    ],
+)
+def test_angles_without_ends_that_cut_nothing(low: float, high: float, expected: str) -> None:
+    volume = upright([math.radians(low + high) / 2], [math.radians(high - low) / 2])
+    assert said("bearing", LOCATION, (0, 1, 2), volume) == f"C is {expected} from B, seen from A"
+
+
+def test_shares_of_a_distance_without_ends_that_cut_nothing() -> None:
+    near, ring = upright([0.5], [0.75]), upright([1.5], [0.5])
+    assert said("scaled_distance", LOCATION, (0, 1, 2), near) == "C is at most 1.25 times as far from A as B"
+    assert (
+        said("scaled_distance", LOCATION, (0, 1, 2), ring) == "C is between 1 and 2 times as far from A as B"
+    )
 
 
 @pytest.mark.parametrize(
@@ -208,7 +289,7 @@ def test_figures_may_be_left_to_a_picture() -> None:
     ],
 )
 def test_leaves(made: Leaf, expected: str) -> None:
-    assert leaf_summary(made) == expected
+    assert made.summary == expected
 
 
 def test_arguments_are_not_fresh() -> None:

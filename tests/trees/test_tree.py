@@ -14,7 +14,7 @@ from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree, query
 from relforest.trees.nodes import children, shifted, variable_name
 from relforest.trees.structure import MAX_DEPTH
-from relforest.volumes import Arc, Volume
+from relforest.volumes import Arc, Slab, Volume
 from small_trees import ball, leaf, near_tree, plane, scenes_in
 
 SCHEMA = plane("passer")
@@ -136,6 +136,7 @@ def test_a_variable_of_another_branch_is_not_bound() -> None:
             "that attribute is not in the schema",
         ),
         (Mapping("identity", Attribute("weight")), ball([0.0], 1.0), r"node 1 asks about identity\(weight\)"),
+        (IDENTITY, Slab(ball([0.0], 1.0), 0, 3), r"node 1: identity\(location\) needs an ellipsoid in 2 dim"),
         (IDENTITY, ball([0.0], 1.0), r"node 1: identity\(location\) needs an ellipsoid in 2 dimension"),
         (IDENTITY, Arc(0.0, 1.0, 1.0), "needs an ellipsoid in 2 dimension"),
     ],

@@ -89,7 +89,7 @@ class FitOptions:
     encoding
         Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
     trees
-        Trees of a forest (100 by default), or of boosting (200), from which rules are chosen too.
+        Trees of boosting or a forest (100 by default), or of the boosted model that proposes rules (200).
     objects
         Most objects that a question of these models asks for besides the arguments: 0, 1 or 2. The default is
         1 for scenes with arguments, 2 for others.
@@ -193,6 +193,7 @@ def _learner(options: FitOptions) -> Learner:
     from relforest import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
     from relforest.forests import GrowthSettings
     from relforest.forests.forest_estimators import FOREST_GROWTH
+    from relforest.forests.rule_set_estimator import RULE_GROWTH
     from relforest.trees import SMRFTreeClassifier, TreeSettings
 
     for field in fields(options):
@@ -204,16 +205,19 @@ def _learner(options: FitOptions) -> Learner:
     chosen = {name: getattr(options, name) for name in _OF_TREES}
     if options.model == "tree":
         return SMRFTreeClassifier(**chosen, random_state=seed, n_jobs=jobs)
-    n_trees = options.trees or (200 if options.model in {"boosting", "rules"} else 100)
     if options.model == "smrf-forest":
-        growth: TreeSettings | GrowthSettings = TreeSettings(**chosen)
-        return SMRFForestClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
+        n_trees, settings = options.trees or 100, TreeSettings(**chosen)
+        return SMRFForestClassifier(n_trees=n_trees, growth=settings, random_state=seed, n_jobs=jobs)
+    defaults = {"boosting": GrowthSettings(), "forest": FOREST_GROWTH, "rules": RULE_GROWTH}
+    growth = replace(defaults[options.model], max_free=options.objects)
     if options.model == "forest":
-        growth = replace(FOREST_GROWTH, max_free=options.objects)
+        n_trees = options.trees or 100
         return SMRFForestClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
-    growth = GrowthSettings(max_free=options.objects)
-    of_boosting = SMRFRuleSetClassifier if options.model == "rules" else SMRFBoostingClassifier
-    return of_boosting(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
+    if options.model == "rules":
+        n_trees = options.trees or 200
+        return SMRFRuleSetClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
+    n_trees = options.trees or 100
+    return SMRFBoostingClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
 
 
 def _classes(labels: NDArray[Any], options: FitOptions) -> tuple[Label, Label]:

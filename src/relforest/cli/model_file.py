@@ -120,7 +120,7 @@ class Model:
         """Apply the model to scenes of its schema, in `n_jobs` threads."""
         if isinstance(self.learned, Ensemble):
             scores = self.learned.scores(scenes, n_jobs=n_jobs)[:, 0]
-            probability = expit(scores) if self.kind == "boosting" else np.clip(scores, 0.0, 1.0)
+            probability = np.clip(scores, 0.0, 1.0) if self.kind == "forest" else expit(scores)
             return Predictions(probability, None, {})
         answers = query(self.learned, scenes, n_jobs=n_jobs)
         witnesses = {variable_name(variable): rows for variable, rows in enumerate(answers.witnesses.T)}

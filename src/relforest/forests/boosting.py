@@ -43,8 +43,8 @@ class BoostingSettings:
         If a value is outside its range.
     """
 
-    n_trees: int = 200
-    learning_rate: float = 0.05
+    n_trees: int = 100
+    learning_rate: float = 0.1
     max_scenes: int = 256
     validation: float = 0.0
     patience: int = 30

@@ -33,8 +33,8 @@ class _Boosting(SceneEstimator, ABC):
     def __init__(
         self,
         *,
-        n_trees: int = 200,
-        learning_rate: float = 0.05,
+        n_trees: int = 100,
+        learning_rate: float = 0.1,
         max_scenes: int = 256,
         validation: float = 0.0,
         growth: GrowthSettings | None = None,
@@ -76,9 +76,9 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
 
     Parameters
     ----------
-    n_trees : int, default 200
+    n_trees : int, default 100
         Number of trees.
-    learning_rate : float, default 0.05
+    learning_rate : float, default 0.1
         Factor on every tree.
     max_scenes : int, default 256
         Each tree is fitted to a random sample of so many scenes, without replacement.
@@ -129,8 +129,8 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
     def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
         self,
         *,
-        n_trees: int = 200,
-        learning_rate: float = 0.05,
+        n_trees: int = 100,
+        learning_rate: float = 0.1,
         max_scenes: int = 256,
         validation: float = 0.0,
         growth: GrowthSettings | None = None,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, cast
 
+from scipy.special import expit
+
 from relforest.forests.questions import condition_in_words, question_in_words, questions
 from relforest.forests.scene_tree import Value
 from relforest.support.numerals import probability
@@ -56,7 +58,9 @@ def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
 
 
 def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:
-    """Return the best rule set, which is the first tree: a line for each rule, and one for all other scenes.
+    """Return the best rule set, the first tree: a line for each rule, and one for all other scenes.
+
+    Leaves contain log-odds.
 
     Parameters
     ----------
@@ -72,12 +76,11 @@ def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
         f"    {_outcome(leaf)}  if {condition_in_words(split.condition, ensemble.schema)}"
         for split, leaf in zip(best.splits[:most], held, strict=False)
     ]
-    share = float(ensemble.weights[0])
     title = f"Probability of {of}, by the first rule that holds"
-    told = f" (the best of {len(ensemble.trees)} rule sets, weight {share:.2f})" if share < 1.0 else ""
+    told = " (the best rule set; others and boosted trees predict with it)" if len(ensemble.trees) > 1 else ""
     return "\n".join([title + told, *lines, f"    {_outcome(other)}  otherwise"])
 
 
 def _outcome(leaf: Value) -> str:
     count = f"{leaf.n_scenes} {'scene' if leaf.n_scenes == 1 else 'scenes'}"
-    return f"{probability(leaf.numbers[0])} ({count})"
+    return f"{probability(float(expit(leaf.numbers[0])))} ({count})"

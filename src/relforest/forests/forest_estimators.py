@@ -206,7 +206,7 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
     >>> print(model.describe(most=1))
     Score of class True: the sum of 4 trees with 5 questions
     The 1 that gain most: share of the gain, what a yes / a no adds, question
-    27.8 %  +0.250 / +0.000  there are A and B such that B is between 0.822 and 3.08 from A
+    27.8 %  +0.250 / +0.000  there are A and B such that B is between 0.414 and 3.07 from A
     """
 
     def __init__(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.forests.kernels import N_NUMBERS, Plan, Search, Targets, best_condition
+from relforest.forests.kernels import Plan, Targets, best_condition, work_space
+from relforest.forests.rows import N_NUMBERS
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def grow_tree(
         settings.first_share,
         settings.share,
         settings.penalty,
+        settings.pair_gain,
         settings.every,
     )
 
@@ -147,19 +149,20 @@ def _best_question(
     plan: Plan,
     rng: np.random.Generator,
 ) -> _Question | None:
-    best: _Question | None = None
-    for table in tables:
-        statements = np.zeros((plan.most_statements, N_NUMBERS))
-        n_choices = table.table.values.shape[1]
-        work = Search(
-            np.empty(len(scenes)),
-            np.zeros(n_choices, dtype=np.bool_),
-            np.zeros(n_choices, dtype=np.bool_),
-            np.empty((2, 2, targets.gradients.shape[1])),
-        )
+    best, most = None, 0.0
+    for each in tables:
+        table = each.table
+        work = work_space(table, scenes, targets.gradients.shape[1])
+        # Pairs have many more questions, the best of which gains more by chance.
+        factor = plan.pair_gain if each.n_free > 1 else 1.0
         # Of a sample of the pairs, the objects without a partner are not known.
-        tried = plan._replace(every=plan.every and table.n_free == 2 and table.n_sampled == 0)
-        gain, n, at_least = best_condition(table.table, scenes, targets, tried, rng, statements, work)
-        if n and (best is None or gain > best.gain):
-            best = _Question(table, statements[:n].copy(), at_least, gain)
+        tried = plan._replace(every=plan.every and each.n_free == 2 and each.n_sampled == 0)
+        kinds = [-1]
+        if each.n_free and table.firsts[1]:
+            kinds.append(int(rng.integers(table.firsts[1])))
+        for kind in kinds:
+            statements = np.zeros((plan.most_statements, N_NUMBERS))
+            gain, n, at_least = best_condition(table, scenes, targets, tried, rng, statements, work, kind)
+            if factor * gain > most:
+                best, most = _Question(each, statements[:n].copy(), at_least, gain), factor * gain
     return best

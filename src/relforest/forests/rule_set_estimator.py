@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
-from scipy.special import xlogy
+from scipy.special import expit, logit, xlogy
 from sklearn.base import ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests.base import SceneEstimator, growth_settings
-from relforest.forests.boosting import BoostingSettings, boost
+from relforest.forests.boosting import Boosted, BoostingSettings, boost
 from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets
@@ -39,25 +39,32 @@ if TYPE_CHECKING:
     from relforest.trees.weights import ClassWeight
 
 
+_LEARNING_RATE: Final = 0.05
+# Rules for several causes are found below a first question; rules that differ are worth more than the best.
+RULE_GROWTH: Final = GrowthSettings(max_leaves=4, share=0.2)
+
+
 @final
 class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[misc]  # scikit-learn is untyped
     """Rule set: any of a few conditions holds, chosen by description length.
 
     The rules are conditions from the trees of a boosted model. Of all sets of a few of them, for either
-    class, those that describe the labels in the fewest bits are sampled by simulated annealing. Their mean,
-    weighted by description length, predicts; the best of them is the description in words. Of all models
-    of this package it is the most readable, and the most accurate on a few dozen scenes.
+    class, those that describe the labels in the fewest bits are sampled by simulated annealing. The mean of
+    their log-odds, weighted by description length, and those of the boosted model predict with equal shares;
+    the best set is the description in words. Of all models of this package it is the most readable, and the
+    most accurate on a few dozen scenes.
 
     Parameters
     ----------
     rules : RuleSetSettings, optional
         How many rules a set may have, and what they cost: a higher cost gives shorter rules.
     averaged : bool, default True
-        Whether the mean of all sampled sets predicts; False for the best set alone.
+        Whether all sampled sets and the boosted model predict; False for the best set alone.
     n_trees : int, default 200
         Trees of the boosted model that proposes the rules.
     growth : GrowthSettings, optional
-        What a rule may be, and what is tried at every node of that model.
+        What a rule may be, and what is tried at every node of that model. Default: trees of four leaves,
+        and a fifth of the half-lines for further statements.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -70,7 +77,8 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
     Attributes
     ----------
     ensemble_ : Ensemble
-        One tree per rule set, which asks the rules one after the other; the first is the best set.
+        Log-odds. One tree per rule set, which asks the rules one after the other, the best set first; then
+        the trees of the boosted model.
     classes_ : ndarray (2,)
         The labels in sorted order.
     n_sampled_ : int
@@ -130,12 +138,17 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
             with part("choosing rules"):
                 sets = choose_rule_sets(pool, positive, targets.weights, chosen, rng)
         self.classes_ = targets.classes
-        self.ensemble_ = self._ensemble(scenes, (rules, pool), sets, (positive, targets.weights))
+        kept = sets if self.averaged else sets[:1]
+        chains = tuple(_chain(each, rules, pool, positive, targets.weights) for each in kept)
+        weights = np.array([each.weight for each in kept])
+        self.ensemble_ = Ensemble(scenes.schema, np.zeros(1), chains, weights / weights.sum())
+        if self.averaged:
+            self.ensemble_ = _with_boosted(self.ensemble_, boosted, how.learning_rate)
         return self
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, 2)."""
-        positive = np.clip(self._scores(scenes)[:, 0], 0.0, 1.0)
+        positive = expit(self._scores(scenes)[:, 0])
         return np.column_stack([1.0 - positive, positive])
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
@@ -149,28 +162,22 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         return rule_set_in_words(self.ensemble_, self._scored(), most=at_least("most", most, 1))
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings, RuleSetSettings]:
-        how = BoostingSettings(self.n_trees)
-        growth = growth_settings(self.growth, GrowthSettings())
+        how = BoostingSettings(self.n_trees, _LEARNING_RATE)
+        growth = growth_settings(self.growth, RULE_GROWTH)
         chosen = RuleSetSettings() if self.rules is None else self.rules
         if not isinstance(chosen, RuleSetSettings):
             raise InputError(f"rules must be RuleSetSettings or None, got {chosen!r:.100}")
         return how, growth, chosen
 
-    def _ensemble(
-        self,
-        scenes: Scenes,
-        found: tuple[list[Rule], Pool],
-        sets: list[RuleSet],
-        labels: tuple[NDArray[np.bool_], NDArray[np.float64]],
-    ) -> Ensemble:
-        kept = sets if self.averaged else sets[:1]
-        total = sum(each.weight for each in kept)
-        trees = tuple(_chain(each, *found, *labels) for each in kept)
-        weights = np.array([each.weight / total for each in kept])
-        return Ensemble(scenes.schema, np.zeros(1), trees, weights)
-
     def _scored(self) -> str:
         return f"class {self.classes_[1]}"
+
+
+def _with_boosted(sets: Ensemble, boosted: Boosted, learning_rate: float) -> Ensemble:
+    """Return the mean of the log-odds of rule sets and of a boosted model."""
+    trees = tuple(grown.tree for grown in boosted.trees)
+    weights = np.concatenate([sets.weights, np.full(len(trees), learning_rate)])
+    return Ensemble(sets.schema, 0.5 * boosted.start, sets.trees + trees, 0.5 * weights)
 
 
 def _chain(
@@ -182,10 +189,10 @@ def _chain(
 ) -> SceneTree:
     """Return a rule set as a tree that asks one rule after the other.
 
-    Whichever rule holds, the probability is that of the scenes for which any holds.
+    Whichever rule holds, the log-odds are those of the scenes for which any holds.
     """
     inside = np.asarray(pool.truth[list(chosen.rules)].any(axis=0))
-    held = _share(inside, positive, weights)
+    held = _log_odds(inside, positive, weights)
     nodes: list[Node] = []
     remaining = np.ones(len(positive), dtype=np.bool_)
     for number in chosen.rules:
@@ -195,7 +202,7 @@ def _chain(
         nodes.append(Split(condition, len(nodes) + 1, len(nodes) + 2, gain))
         nodes.append(Value((held,), int(np.count_nonzero(remaining & truth))))
         remaining &= ~truth
-    nodes.append(Value((_share(~inside, positive, weights),), int(np.count_nonzero(remaining))))
+    nodes.append(Value((_log_odds(~inside, positive, weights),), int(np.count_nonzero(remaining))))
     return SceneTree(tuple(nodes))
 
 
@@ -210,6 +217,6 @@ def _gain(truth: NDArray[np.bool_], positive: NDArray[np.bool_], weights: NDArra
     return max(likelihood(truth) + likelihood(~truth) - likelihood(everything), 0.0)
 
 
-def _share(chosen: NDArray[np.bool_], positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> float:
-    """Return the smoothed share of positive scenes among the chosen ones."""
-    return float(((weights * positive)[chosen].sum() + 0.5) / (weights[chosen].sum() + 1.0))
+def _log_odds(chosen: NDArray[np.bool_], positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> float:
+    """Return the log-odds of the smoothed share of positive scenes among the chosen ones."""
+    return float(logit(((weights * positive)[chosen].sum() + 0.5) / (weights[chosen].sum() + 1.0)))

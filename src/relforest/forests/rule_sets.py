@@ -34,6 +34,8 @@ class RuleSetSettings:
         What each fitted number of a rule costs, in nats of log likelihood.
     cost_per_rule : float
         What each rule costs besides.
+    cost_per_pair : float
+        What a rule about two free objects costs besides, since there are many more of them.
     smoothing : float
         Added to the scenes of either class on either side of a set.
     n_steps : int
@@ -50,6 +52,7 @@ class RuleSetSettings:
     max_rules: int = 5
     cost_per_number: float = 1.5
     cost_per_rule: float = 1.0
+    cost_per_pair: float = 2.0
     smoothing: float = 0.1
     n_steps: int = 60_000
     n_chains: int = 4
@@ -58,6 +61,7 @@ class RuleSetSettings:
         at_least("max_rules", self.max_rules, 1)
         in_range("cost_per_number", self.cost_per_number, 0.0, 1e9)
         in_range("cost_per_rule", self.cost_per_rule, 0.0, 1e9)
+        in_range("cost_per_pair", self.cost_per_pair, 0.0, 1e9)
         in_range("smoothing", self.smoothing, 0.0, 1e9, open_low=True)
         at_least("n_steps", self.n_steps, 100)
         at_least("n_chains", self.n_chains, 1)
@@ -134,6 +138,7 @@ def rule_pool(rules: list[Rule], n_scenes: int, settings: RuleSetSettings) -> tu
         truth = rule.table.holds(rule.numbers, rule.at_least, everything)
         n_numbers = rule.table.condition(rule.numbers, rule.at_least).n_parameters
         cost = settings.cost_per_number * n_numbers + settings.cost_per_rule
+        cost += settings.cost_per_pair if rule.table.n_free > 1 else 0.0
         key = truth.tobytes()
         if truth.any() and not truth.all() and (key not in best or cost < best[key][0]):
             best[key] = (cost, rule, truth)

@@ -37,6 +37,9 @@ class GrowthSettings:
         Least number of scenes on either side of a question.
     penalty : float
         Lambda of the Newton step, added to the curvature of the loss.
+    pair_gain : float
+        Factor on the gain of conditions on two free objects, of which there are many more, where they compete
+        with others.
     max_choices : int
         Most choices of objects per scene that are searched, on average; more are sampled.
 
@@ -46,15 +49,16 @@ class GrowthSettings:
         If a value is outside its range.
     """
 
-    max_leaves: int = 4
+    max_leaves: int = 2
     max_statements: int = 3
     max_free: int | None = None
     max_count: int = 1
     first_share: float = 1.0
-    share: float = 0.2
+    share: float = 1.0
     n_discs: int = 8
     min_scenes: int = 3
     penalty: float = 1.0
+    pair_gain: float = 0.7
     max_choices: int = 1000
     every: bool = False
 
@@ -69,6 +73,7 @@ class GrowthSettings:
         at_least("n_discs", self.n_discs, 0)
         at_least("min_scenes", self.min_scenes, 1)
         in_range("penalty", self.penalty, 0.0, 1e9, open_low=True)
+        in_range("pair_gain", self.pair_gain, 0.0, 1.0, open_low=True)
         at_least("max_choices", self.max_choices, 1)
         if not isinstance(self.every, bool):
             raise InputError(f"every must be True or False, got {self.every!r}")

@@ -10,7 +10,7 @@ import numpy as np
 from relforest.forests.bindings import bindings, column_values
 from relforest.forests.columns import Column, columns
 from relforest.forests.conditions import Condition
-from relforest.forests.kernels import (
+from relforest.forests.rows import (
     AT_LEAST,
     AT_MOST,
     CENTRE,
@@ -165,7 +165,23 @@ def _table(
     ]
     firsts = np.array([np.count_nonzero(first[rows[:, 1]]) for rows in possible])
     by_rank = [rows[np.argsort(~first[rows[:, 1]], kind="stable")] for rows in possible]
-    return Table(values, starts, by_rank[0], by_rank[1], by_rank[2], firsts, scales)
+    least = _least(by_rank[0][: firsts[0]], values, starts)
+    order = np.argsort(least, axis=1, kind="stable")
+    return Table(values, starts, by_rank[0], by_rank[1], by_rank[2], firsts, scales, least, order)
+
+
+def _least(
+    bounds: NDArray[np.int64], values: NDArray[np.float64], starts: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return the least value of each half-line in each scene, (n_bounds, n_scenes), infinite if none."""
+    n_choices = np.diff(starts)
+    some = np.flatnonzero(n_choices)
+    least = np.full((len(bounds), len(n_choices)), np.inf)
+    for number, (kind, column) in enumerate(bounds.tolist()):
+        x = np.abs(values[column]) if kind in {SMALL, LARGE} else values[column]
+        x = -x if kind in {AT_LEAST, LARGE} else x
+        least[number, some] = np.fmin.reduceat(x, starts[some])
+    return np.where(np.isnan(least), np.inf, least)
 
 
 def _test(row: NDArray[np.float64], component: int) -> Test:

@@ -17,10 +17,11 @@ _LETTERS: Final = "CD"
 
 
 class _Phrase(NamedTuple):
-    """A statement as subject and predicate."""
+    """A statement as subject and predicate; whether it says of what kind an object is, "has ..."."""
 
     subject: str
     predicate: str
+    is_kind: bool = False
 
 
 class _Range(NamedTuple):
@@ -34,7 +35,7 @@ class _Range(NamedTuple):
 def sentence(condition: Condition, schema: Schema) -> str:
     """Return a condition as a sentence without a full stop.
 
-    Arguments go by their names, and a free variable is "some object".
+    Arguments go by their names, and a free variable is "some object", whose categories come first.
 
     Examples
     --------
@@ -47,7 +48,7 @@ def sentence(condition: Condition, schema: Schema) -> str:
     >>> near = Statement(Mapping("distance", location), (0, 1), Bound(0, "at most", 3.0))
     >>> other = Statement(Mapping("identity", team), (1,), Is(1))
     >>> sentence(Condition(1, (other, near)), Schema([location, team], ["passer"]))
-    'some object has team opponent and is within 3 of the passer'
+    'some object with team opponent is within 3 of the passer'
     """
     n_arguments = schema.n_parameters
     alone = condition.n_free == 1 and condition.at_least == 1
@@ -57,15 +58,24 @@ def sentence(condition: Condition, schema: Schema) -> str:
     if condition.n_free == 0:
         return _joined([f"{phrase.subject} {phrase.predicate}" for phrase in phrases])
     if alone:
-        own = _joined([phrase.predicate for phrase in phrases if not phrase.subject])
+        own = [phrase for phrase in phrases if not phrase.subject]
         rest = [f"{phrase.subject} {phrase.predicate}" for phrase in phrases if phrase.subject]
-        return "; ".join([f"some object {own}" if own else "there is another object", *rest])
+        return "; ".join([_some_object(own) if own else "there is another object", *rest])
     about = _joined([f"{phrase.subject} {phrase.predicate}" for phrase in phrases])
     letters = " and ".join(names[n_arguments:])
     if condition.at_least == 1:
         return f"there are objects {letters} such that {about}"
     things = "objects" if condition.n_free == 1 else "pairs of objects"
     return f"there are at least {condition.at_least} {things} {letters} such that {about}"
+
+
+def _some_object(phrases: list[_Phrase]) -> str:
+    """Return what is true of some object, beginning with its kind."""
+    kinds = [phrase.predicate.removeprefix("has ") for phrase in phrases if phrase.is_kind]
+    others = [phrase.predicate for phrase in phrases if not phrase.is_kind]
+    if not kinds or not others:
+        return f"some object {_joined([phrase.predicate for phrase in phrases])}"
+    return f"some object with {' and '.join(kinds)} {_joined(others)}"
 
 
 def _phrase(statement: Statement, names: list[str]) -> _Phrase:
@@ -80,9 +90,10 @@ def _phrase(statement: Statement, names: list[str]) -> _Phrase:
         if mapping.operation == "same":
             likeness = "the same" if (test.category == 1) != test.negated else "another"
             joint = "as" if likeness == "the same" else "than"
-            return _Phrase(subject, f"has {likeness} {attribute.name} {joint} {others[0]}")
+            return _Phrase(subject, f"has {likeness} {attribute.name} {joint} {others[0]}", is_kind=True)
         does = "does not have" if test.negated else "has"
-        return _Phrase(subject, f"{does} {attribute.name} {attribute.categories[test.category]}")
+        said = f"{does} {attribute.name} {attribute.categories[test.category]}"
+        return _Phrase(subject, said, is_kind=not test.negated)
     if isinstance(test, Near) and len(test.centre) == 2:
         return _Phrase(subject, _ellipse(statement, test, others))
     return _Phrase(subject, _number(statement, _range(test), others))

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.aggregated import aggregated_ellipsoid
+from relforest.mil.aggregated import aggregated_volume
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.scenes.bags import Bags
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.volumes import CovAggSettings
+from relforest.volumes.settings import Shape, VolumeLearner
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,13 +33,18 @@ class CovAggClassifier(InstanceClassifier):
         N: number of positive bags to start from.
     sampled : int, default 4
         M: number of bags tried at each step.
+    shape : {"full", "diagonal", "axis"}, default "full"
+        What ellipsoids may be learned: any, those along the axes, or intervals of one feature only.
+    learner : {"covagg", "diverse-density"}, default "covagg"
+        Covariant aggregation, or the source's earlier learner (section 5.2.1), which does not use `window`.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed of the sampling; an integer makes `fit` reproducible.
 
     Attributes
     ----------
-    volume_ : Ellipsoid
-        The decision volume, with `mean`, `covariance` (V of eq. 3.6) and `radius` (measured by V).
+    volume_ : Ellipsoid or Slab
+        The decision volume, with `mean`, `covariance` (V of eq. 3.6) and `radius` (measured by V). It is a
+        `Slab`, the `interval` of one feature of several, only for the shape "axis".
     classes_ : ndarray (2,)
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
@@ -79,6 +85,8 @@ class CovAggClassifier(InstanceClassifier):
         max_condition: float = 1e5,
         restarts: int = 4,
         sampled: int = 4,
+        shape: Shape = "full",
+        learner: VolumeLearner = "covagg",
         random_state: RandomState = None,
     ) -> None:
         self.window = window
@@ -86,14 +94,22 @@ class CovAggClassifier(InstanceClassifier):
         self.max_condition = max_condition
         self.restarts = restarts
         self.sampled = sampled
+        self.shape = shape
+        self.learner = learner
         self.random_state = random_state
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         settings = CovAggSettings(
-            self.window, self.prior_weight, self.max_condition, self.restarts, self.sampled
+            self.window,
+            self.prior_weight,
+            self.max_condition,
+            self.restarts,
+            self.sampled,
+            self.shape,
+            self.learner,
         )
         rng = generator(seed_sequence(self.random_state))
-        self.volume_ = aggregated_ellipsoid(bags.points, bags.starts, positive, rng=rng, settings=settings)
+        self.volume_ = aggregated_volume(bags.points, bags.starts, positive, rng=rng, settings=settings)
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Radius minus distance from the centre (eq. 3.3)."""

@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal, final
+from typing import Final, Literal, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.mil.aggregated import aggregated_ellipsoid
+from relforest.mil.aggregated import aggregated_volume
 from relforest.mil.feature_view import FeatureView
 from relforest.mil.logistic_rule import balance, fit_logistic
 from relforest.mil.placed_volume import PlacedVolume
 from relforest.mil.sparse_machine import train_sparse_machine
 from relforest.support.progress import report
-from relforest.volumes import CovAggSettings
+from relforest.volumes import CovAggSettings, Ellipsoid
 
 __all__ = [
     "BALL_RULES",
@@ -135,8 +135,8 @@ def find_volumes(
         settings = CovAggSettings(max_condition=float(rng.choice(plan.conditions)), restarts=_RESTARTS)
         rows, sample_starts = rows_of(starts, sampled)
         points = np.ascontiguousarray(coordinates[np.ix_(rows, features)])
-        ellipsoid = aggregated_ellipsoid(points, sample_starts, wanted[sampled], rng=rng, settings=settings)
-        found.append(PlacedVolume(panel, part, ellipsoid, number % 2 == 0, 0.0))
+        volume = aggregated_volume(points, sample_starts, wanted[sampled], rng=rng, settings=settings)
+        found.append(PlacedVolume(panel, part, cast(Ellipsoid, volume), number % 2 == 0, 0.0))
     return found
 
 

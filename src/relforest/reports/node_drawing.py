@@ -16,9 +16,8 @@ from relforest.reports.style import BLUE, GREY, INK, PAPER, mixed, probability_c
 from relforest.reports.text_size import line_height, shortened, text_width, wrapped
 from relforest.reports.tree_layout import Box, Layout, Size
 from relforest.reports.tree_path import TreePath
-from relforest.support.numerals import probability
 from relforest.trees import Instantiation, Question, Tree
-from relforest.trees.nodes import ANSWERS, AnyLeaf, Node, variable_name
+from relforest.trees.nodes import ANSWERS, AnyLeaf, Leaf, Node, variable_name
 from relforest.trees.text import introduced, sentence
 
 _QUESTION_WIDTH: Final = 2.5
@@ -94,11 +93,14 @@ def _question_text(name: str, question: Question, fresh: tuple[int, ...]) -> Nod
 
 
 def _leaf_text(ordinal: int, leaf: AnyLeaf) -> NodeText:
+    says = leaf.says.removeprefix("probability ")
     total = leaf.negatives + leaf.positives
-    counts = f"{leaf.positives} of {total}" if total else "no scenes"
-    width = max(_LEAF_WIDTH, text_width(counts, _TEXT) + 2 * _PADDING)
+    counts = f"{leaf.positives} of {total}" if isinstance(leaf, Leaf) else leaf.counts_in_words
+    counts = counts if total else "no scenes"
+    widest = max(text_width(counts, _TEXT), text_width(says, _LARGE, "bold"))
+    width = max(_LEAF_WIDTH, widest + 2 * _PADDING)
     height = line_height(_SMALL) + line_height(_LARGE) + line_height(_TEXT) + 1.5 * _PADDING
-    return NodeText(f"leaf {ordinal}", (probability(leaf.probability), counts), (width, height))
+    return NodeText(f"leaf {ordinal}", (says, counts), (width, height))
 
 
 def _binding_text(tree: Tree, variable: int, path: TreePath | None) -> NodeText:
@@ -120,7 +122,7 @@ def _draw_node(axes: Axes, node: Node, text: NodeText, box: Box, *, lit: bool) -
     corner, size = (box.left, box.top), (box.right - box.left, box.bottom - box.top)
     if isinstance(node, AnyLeaf):
         seen = node.negatives + node.positives > 0
-        fill = probability_color(node.probability) if seen else PAPER
+        fill = probability_color(node.probability) if seen and isinstance(node, Leaf) else PAPER
         _add(axes, Rectangle(corner, *size, facecolor=fill, linestyle="-" if seen else ":"), lit=lit)
         ink = INK if seen or lit else GREY
         y = _write(axes, text.tag, (box.center, box.top + _PADDING / 2), size=_SMALL, color=ink)

@@ -15,7 +15,7 @@ from relforest.reports.text_size import line_height, shortened
 from relforest.reports.volume_panel import draw_volume
 from relforest.trees import Question
 from relforest.trees.nodes import variable_name
-from relforest.volumes import Arc, Volume
+from relforest.volumes import Arc, Slab, Volume
 
 PANEL_WIDTH: Final = 2.85
 _PLOT_WIDTH: Final = 2.05
@@ -34,8 +34,10 @@ _MOST_NUMBERS: Final = 4
 def volume_table(volume: Volume) -> tuple[tuple[str, str], ...]:
     """Return names and values: mean and scaled eigenvectors of an ellipsoid, or the parameters of an arc.
 
-    A scaled eigenvector reaches from the mean to the boundary.
+    A scaled eigenvector reaches from the mean to the boundary. A slab has the values of its interval.
     """
+    if isinstance(volume, Slab):
+        return volume_table(volume.interval)
     if isinstance(volume, Arc):
         rows = (("mean", volume.mean), ("radius", volume.radius), ("kappa", volume.kappa))
         return tuple((name, f"{value:.3g}{'' if name == 'kappa' else ' rad'}") for name, value in rows)

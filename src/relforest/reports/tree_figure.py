@@ -25,7 +25,6 @@ from relforest.reports.tree_layout import Layout, lay_out
 from relforest.reports.tree_path import TreePath, tree_path, witness_names
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
-from relforest.support.numerals import probability
 from relforest.trees import Question, Tree
 
 _TITLE: Final = 11.0
@@ -112,8 +111,7 @@ def _head(tree: Tree, title: str, path: TreePath | None) -> list[tuple[str, floa
     leaves = "1 leaf" if tree.is_stub else f"{tree.n_leaves} leaves"
     lines = [(title or f"SMRF tree: {counted}, {leaves}", _TITLE)]
     if path is not None:
-        decided = probability(float(tree.leaf_probabilities[path.leaf]))
-        lines.append((f"scene {path.scene_id}: probability {decided} (leaf {path.leaf})", _SUBTITLE))
+        lines.append((f"scene {path.scene_id}: {path.says} (leaf {path.leaf})", _SUBTITLE))
         if path.witnesses:
             lines.append((", ".join(witness_names(tree, path)), _SUBTITLE))
     return [(shortened(text, _WIDEST_HEAD, size, _weight(size)), size) for text, size in lines]

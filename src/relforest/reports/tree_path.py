@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from relforest.scenes import Scenes
 from relforest.scenes.ids import plain
 from relforest.support.errors import InputError
-from relforest.support.numerals import probability
 from relforest.trees import Instantiation, Question, Tree, query
 from relforest.trees.nodes import ANSWERS, AnyLeaf, children, variable_name
-from relforest.trees.text import introduced, leaf_summary, sentence
+from relforest.trees.text import introduced, sentence
 
 
 @final
@@ -33,6 +32,8 @@ class TreePath:
         Identifier of the object bound to each variable on the path, None = no object.
     points : dict of int to (d,) float64
         The point seen by each question on the path; NaN if undefined.
+    says : str
+        What the leaf predicts.
     """
 
     scene_id: Any
@@ -40,6 +41,7 @@ class TreePath:
     nodes: tuple[int, ...]
     witnesses: tuple[Any, ...]
     points: dict[int, NDArray[np.float64]]
+    says: str
 
 
 def tree_path(tree: Tree, scene: Scenes) -> TreePath:
@@ -61,6 +63,8 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
     answers = query(tree, scene)
     leaf, rows = int(answers.leaf[0]), answers.witnesses[0]
     nodes = _ancestors(tree, tree.leaves[leaf])
+    decides = tree.nodes[nodes[-1]]
+    says = decides.says if isinstance(decides, AnyLeaf) else ""
     bound_rows = rows[: tree.n_bound[tree.leaves[leaf]]]
     witnesses = tuple(None if row < 0 else plain(scene.object_ids[row]) for row in bound_rows)
     points = {}
@@ -69,7 +73,7 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
         if isinstance(node, Question):
             bound = np.ascontiguousarray(rows[list(node.variables)][None])
             points[index] = node.mapping.evaluate(scene.schema, scene.matrix, bound)[0]
-    return TreePath(plain(scene.scene_ids[0]), leaf, nodes, witnesses, points)
+    return TreePath(plain(scene.scene_ids[0]), leaf, nodes, witnesses, points, says)
 
 
 def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
@@ -87,8 +91,7 @@ def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
 def path_in_words(tree: Tree, path: TreePath) -> str:
     """Describe the path of a scene: the objects, each question and its answer, and the deciding leaf."""
     new = introduced(tree.schema, tree.nodes)
-    decided = probability(float(tree.leaf_probabilities[path.leaf]))
-    lines = [f"scene {path.scene_id}: probability {decided}, leaf {path.leaf}"]
+    lines = [f"scene {path.scene_id}: {path.says}, leaf {path.leaf}"]
     lines += [f"    {name}" for name in witness_names(tree, path)]
     for place, index in enumerate(path.nodes):
         match tree.nodes[index]:
@@ -97,7 +100,7 @@ def path_in_words(tree: Tree, path: TreePath) -> str:
                 answer = ANSWERS[below.index(path.nodes[place + 1])]
                 lines.append(f"    {sentence(node, new[index])} -> {answer}")
             case AnyLeaf() as leaf:
-                lines.append(f"    {leaf_summary(leaf)}")
+                lines.append(f"    {leaf.summary}")
             case Instantiation():
                 continue
     return "\n".join(lines)

@@ -14,7 +14,7 @@ from relforest.mappings import Mapping
 from relforest.reports.question_points import QuestionPoints
 from relforest.reports.style import GREY, INK, NEGATIVE, PAPER, POSITIVE, mixed
 from relforest.reports.text_size import shortened
-from relforest.volumes import Arc, Ellipsoid, Volume
+from relforest.volumes import Arc, Ellipsoid, Slab, Volume
 from relforest.volumes.ellipsoid import LARGEST_VALUE
 
 MOST_POINTS: Final = 400
@@ -39,7 +39,7 @@ def draw_volume(
     points: QuestionPoints | None = None,
     witness: Points | None = None,
 ) -> None:
-    """Draw a decision volume: an ellipse, an interval, or an arc of a circle.
+    """Draw a decision volume: an ellipse, an interval (of the only coordinate that counts), or an arc.
 
     Beyond two dimensions, draw the interval of Mahalanobis distances within the radius.
 
@@ -60,6 +60,13 @@ def draw_volume(
     if points is not None:
         tame = (np.abs(points.points) <= LARGEST_VALUE).all(axis=1)
         points = QuestionPoints(points.points[tame], points.positive[tame])
+    name = mapping.name
+    if isinstance(volume, Slab):
+        name = _axis_name(mapping, volume.axis)
+        if points is not None:
+            points = QuestionPoints(volume.coordinate(points.points), points.positive)
+        witness = None if witness is None else volume.coordinate(witness)[0]
+        volume = volume.interval
     if isinstance(volume, Arc):
         _draw_arc(axes, volume, points, witness)
     elif volume.dim == 2:
@@ -74,7 +81,7 @@ def draw_volume(
         left, right = axes.get_xlim()
         if mapping.operation == "distance" and right > 0.0:
             axes.set_xlim(left=max(0.0, left))
-        axes.set_xlabel(shortened(mapping.name, _LABEL_WIDTH, _LABEL), labelpad=1.0, parse_math=False)
+        axes.set_xlabel(shortened(name, _LABEL_WIDTH, _LABEL), labelpad=1.0, parse_math=False)
     else:
         scaled = None
         if points is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, final, get_type_hints
 
 from relforest.support.errors import InputError, ModelFormatError
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 Options = TypeVar("Options", bound="DataclassInstance")
 
 FeatureMode = Literal["densities+bits", "bits", "probability"]
+# Options of covariant aggregation that older runs do not name.
+_NEWER: Final = MappingProxyType({"shape": "full", "learner": "covagg"})
 FEATURE_MODES: Final[tuple[FeatureMode, ...]] = ("densities+bits", "bits", "probability")
 
 
@@ -122,7 +125,13 @@ class RPISettings:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the options as plain JSON values."""
-        return asdict(self)
+        document = asdict(self)
+        # Only where they differ from the default, so that older runs can be resumed.
+        covagg = document["tree"]["covagg"]
+        for name, value in _NEWER.items():
+            if covagg[name] == value:
+                del covagg[name]
+        return document
 
     @classmethod
     def from_dict(cls, document: object) -> RPISettings:
@@ -135,7 +144,10 @@ class RPISettings:
         """
         if isinstance(document, Mapping) and isinstance(document.get("tree"), Mapping):
             # Runs from before there were two searches used the exhaustive one.
-            document = {**document, "tree": {"search": "exhaustive", **document["tree"]}}
+            tree = {"search": "exhaustive", **document["tree"]}
+            if isinstance(tree.get("covagg"), Mapping):
+                tree["covagg"] = {**_NEWER, **tree["covagg"]}
+            document = {**document, "tree": tree}
         return _read(cls, document)
 
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from relforest.trees.criterion import Target
     from relforest.trees.tree import Tree
     from relforest.volumes import Volume
+    from relforest.volumes.settings import Shape
 
 
 @final
@@ -228,9 +229,15 @@ class OpenLeaf:
         return present
 
     def judged(
-        self, question: PreparedQuestion, volume: Volume, target: Target, *, exactly: bool = False
+        self,
+        question: PreparedQuestion,
+        volume: Volume,
+        target: Target,
+        *,
+        exactly: bool = False,
+        shape: Shape = "full",
     ) -> Candidate:
-        """Return what a volume would do to the tree, as the only one tried.
+        """Return what a volume of this shape would do to the tree, as the only one tried.
 
         If the question has but a sample of the sequences, then only `exactly` tells for sure who arrives
         where; otherwise scenes without a sequence in the sample count as No.
@@ -240,5 +247,5 @@ class OpenLeaf:
             below[NO] |= self.presence[self.leaf] & ~below.any(axis=0)
         gain = self.expanded(below, target).log_likelihood - self.assignment.log_likelihood
         mapping, has_errors = question.expansion.mapping, bool(below[ERROR].any())
-        n_parameters = added_parameters(mapping, has_errors=has_errors, n_values=target.n_values)
+        n_parameters = added_parameters(mapping, has_errors=has_errors, n_values=target.n_values, shape=shape)
         return Candidate(question, volume, below, gain, likelihood_ratio_p(gain, n_parameters), 1)

@@ -54,7 +54,7 @@ class Target:
     weighted : bool
         Whether the weights differ.
     scale : (float, float)
-        Mean and standard deviation of the values, for leaves.
+        Mean and standard deviation of the values, for leaves; the latter negative if the values are negated.
     """
 
     kind: int
@@ -102,8 +102,22 @@ class Target:
         return cls._of_classes(CLASSES, codes, n_classes, weights)
 
     @classmethod
-    def real(cls, values: NDArray[np.float64], weights: NDArray[np.float64] | None = None) -> Target:
-        """Explain a number by Gaussian errors around the mean of each leaf; the highest leaf decides.
+    def real(
+        cls,
+        values: NDArray[np.float64],
+        weights: NDArray[np.float64] | None = None,
+        *,
+        lowest: bool = False,
+    ) -> Target:
+        """Explain a number by Gaussian errors around the mean of each leaf.
+
+        Parameters
+        ----------
+        values : ndarray (n_scenes,)
+        weights : ndarray (n_scenes,), optional
+            See `binary`.
+        lowest : bool
+            Whether the leaf with the lowest mean decides, instead of the highest.
 
         Raises
         ------
@@ -119,6 +133,8 @@ class Target:
         deviation = float(np.sqrt(np.average((small - mean) ** 2, weights=w)))
         if not deviation > 1e-9 * max(abs(mean), 1e-300):
             raise InputError(f"all targets are {values[0]:g}: there is nothing to explain")
+        if lowest:
+            deviation = -deviation
         y = (small - mean) / deviation
         sums = np.column_stack([w, w * y, w * y * y])
         scale = (mean * largest, deviation * largest)
@@ -258,7 +274,8 @@ class Target:
         weight, total, squares = assignment.sums[leaf].tolist()
         variance = max(squares / weight - (total / weight) ** 2, 0.0) if n else 1.0
         value = mean + unit * float(assignment.value[leaf])
-        return MeanLeaf(value, 0, n, unit * float(np.sqrt(variance)))
+        lowest = unit < 0.0
+        return MeanLeaf(-value if lowest else value, 0, n, abs(unit) * float(np.sqrt(variance)), lowest)
 
 
 def effective_weights(weights: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal, Self, final, get_args
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
@@ -16,6 +16,7 @@ from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked
 from relforest.support.numerals import probability
+from relforest.support.options import one_of
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.trees.criterion import Target
@@ -23,14 +24,20 @@ from relforest.trees.growth import grow
 from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
+from relforest.trees.significance import sidak
 from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
     from relforest.trees.growth import Step
     from relforest.trees.tree import Tree
+
+Decides = Literal["highest", "lowest", "either"]
 
 
 @final
@@ -74,8 +81,13 @@ class Explanation:
 class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
     """What the estimators share; subclasses have the options of `TreeSettings` and a few of their own."""
 
-    def _grow(self, scenes: Scenes, target: Target, weights: NDArray[np.float64] | None) -> None:
-        """Learn `tree_` from the scenes with a weight, for which the target holds."""
+    def _grow(self, scenes: Scenes, targets: Sequence[Target], weights: NDArray[np.float64] | None) -> None:
+        """Learn `tree_` from the scenes with a weight, for the target that explains most of them.
+
+        Each target stands for the same facts. With several, each has its share of the level.
+        """
+        if not isinstance(self.covagg, CovAggSettings | None):
+            raise InputError(f"covagg must be CovAggSettings(...) or None, got {self.covagg!r}")
         settings = TreeSettings(
             test=self.test,
             search=self.search,
@@ -83,11 +95,14 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             attempts=self.attempts,
             permutations=self.permutations,
             max_points=self.max_points,
+            covagg=self.covagg or CovAggSettings(),
         )
+        settings = replace(settings, alpha=sidak(settings.alpha, len(targets)))
         rng = generator(seed_sequence(self.random_state))
         kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
         with printed_to_stderr(self.verbose):
-            growth = grow(kept, target, rng=rng, settings=settings)
+            grown = [grow(kept, target, rng=rng, settings=settings) for target in targets]
+        growth = max(grown, key=lambda each: sum(step.gain for step in each.steps))
         self.tree_: Tree = growth.tree
         self.steps_: tuple[Step, ...] = growth.steps
         self.n_left_out_: int = growth.n_left_out
@@ -126,6 +141,9 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    covagg : CovAggSettings or None, default None
+        How volumes are learned, and their shape; by default as published. See
+        `relforest.volumes.CovAggSettings`.
     class_weight : {"balanced"}, dict or None, default None
         Weight of each class, by label: those that are not named weigh 1. "balanced" gives all classes the
         same weight in sum. It multiplies `sample_weight`.
@@ -184,6 +202,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
+        covagg: CovAggSettings | None = None,
         class_weight: ClassWeight = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
@@ -195,6 +214,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
+        self.covagg = covagg
         self.class_weight = class_weight
         self.random_state = random_state
         self.n_jobs = n_jobs
@@ -228,7 +248,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
             target = Target.binary(codes[kept] == 1, positive)
         else:
             target = Target.classes(codes[kept], len(classes), positive)
-        self._grow(scenes, target, weights)
+        self._grow(scenes, [target], weights)
         self.classes_: NDArray[Any] = classes
         return self
 
@@ -255,12 +275,15 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
 class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
     """Existential regression tree over scenes: each leaf predicts the mean of its training scenes.
 
-    Of all leaves that a scene reaches, the one with the highest mean decides, as the most probable one does
-    in a classifier. What exists in a scene can therefore raise the prediction; to explain low values by what
-    exists, fit the negated target.
+    Of all leaves that a scene reaches, one end decides: the one with the highest mean, as the most probable
+    one does in a classifier, or the one with the lowest. What exists in a scene raises the prediction in the
+    first case and lowers it in the second.
 
     Parameters
     ----------
+    decides : {"highest", "lowest", "either"}, default "either"
+        Which leaf decides. With "either", a tree of each kind is grown, each at its share of `alpha`, and the
+        one under which the targets are more likely is kept.
     test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
         Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
         questions on pure noise more often than `alpha`; the permutation test keeps its level.
@@ -277,6 +300,9 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     max_points : int, default 100_000
         Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
         and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
+    covagg : CovAggSettings or None, default None
+        How volumes are learned, and their shape; by default as published. See
+        `relforest.volumes.CovAggSettings`.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -315,22 +341,26 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
         self,
         *,
+        decides: Decides = "either",
         test: Test = "likelihood-ratio",
         search: SearchName = "screened",
         alpha: float = 0.05,
         attempts: int = 3,
         permutations: int = 99,
         max_points: int = 100_000,
+        covagg: CovAggSettings | None = None,
         random_state: RandomState = None,
         n_jobs: int = 1,
         verbose: bool = False,
     ) -> None:
+        self.decides = decides
         self.test = test
         self.search = search
         self.alpha = alpha
         self.attempts = attempts
         self.permutations = permutations
         self.max_points = max_points
+        self.covagg = covagg
         self.random_state = random_state
         self.n_jobs = n_jobs
         self.verbose = verbose
@@ -355,20 +385,24 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         values = _numbers(y, len(checked_scenes(scenes)))
         weights = scene_weights(sample_weight, len(scenes))
         kept = slice(None) if weights is None else weights > 0
-        target = Target.real(values[kept], None if weights is None else weights[kept])
-        self._grow(scenes, target, weights)
+        one_of("decides", self.decides, get_args(Decides))
+        targets = [
+            Target.real(values[kept], None if weights is None else weights[kept], lowest=lowest)
+            for lowest in (False, True)
+            if self.decides in {"either", "lowest" if lowest else "highest"}
+        ]
+        self._grow(scenes, targets, weights)
         return self
 
     def predict(self, scenes: Scenes) -> NDArray[np.float64]:
         """Mean of the deciding leaf of each scene, shape (n_scenes,)."""
         leaf = self.apply(scenes)
-        return self.tree_.leaf_probabilities[leaf]
+        return self.tree_.leaf_predictions[leaf]
 
 
 def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
     """Return the deciding leaf of each scene and its witnesses."""
     answers = query(tree, scenes)
-    probabilities = tree.leaf_probabilities
     leaves = [tree.nodes[leaf] for leaf in tree.leaves]
     bound = [tree.n_bound[leaf] for leaf in tree.leaves]
     explanations = []
@@ -379,11 +413,9 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
             witnesses[variable_name(variable)] = None if row < 0 else plain(scenes.object_ids[row])
         densities = tuple(answers.densities[i, : len(tree.questions_above[leaf])].tolist())
         node = leaves[leaf]
-        said = node.summary.partition("  (")[0] if isinstance(node, (MeanLeaf, ClassLeaf)) else ""
+        said = node.says if isinstance(node, (MeanLeaf, ClassLeaf)) else ""
         explanations.append(
-            Explanation(
-                plain(scenes.scene_ids[i]), float(probabilities[leaf]), int(leaf), witnesses, densities, said
-            )
+            Explanation(plain(scenes.scene_ids[i]), node.prediction, int(leaf), witnesses, densities, said)
         )
     return explanations
 

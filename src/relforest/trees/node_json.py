@@ -27,10 +27,10 @@ def node_to_dict(node: Node) -> dict[str, Any]:
         case MeanLeaf():
             return {
                 "kind": "mean",
-                "mean": node.probability,
+                "mean": node.prediction,
                 "deviation": node.deviation,
                 "scenes": node.positives,
-            }
+            } | ({"lowest": True} if node.lowest else {})
         case ClassLeaf():
             return {
                 "kind": "classes",
@@ -73,7 +73,10 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
     if kind == "mean":
         mean = in_range("mean", document["mean"], -LARGEST_NUMBER, LARGEST_NUMBER)
         deviation = in_range("deviation", document["deviation"], 0.0, LARGEST_NUMBER)
-        return MeanLeaf(mean, 0, _counts(document["scenes"])[0], deviation)
+        lowest = document.get("lowest", False)
+        if not isinstance(lowest, bool):
+            raise ModelFormatError(f"lowest must be true or false, got {reprlib.repr(lowest)}")
+        return MeanLeaf(-mean if lowest else mean, 0, _counts(document["scenes"])[0], deviation, lowest)
     if kind == "classes":
         return _class_leaf(document)
     if kind == "instantiation":

@@ -30,9 +30,24 @@ class AnyLeaf(ABC):
     positives: int
 
     @property
+    def prediction(self) -> float:
+        """What the leaf predicts as a number: the probability, or the mean of real targets."""
+        return self.probability
+
+    @property
     @abstractmethod
+    def says(self) -> str:
+        """What the leaf predicts, such as ``probability 0.7``."""
+
+    @property
+    @abstractmethod
+    def counts_in_words(self) -> str:
+        """The training scenes that it decides."""
+
+    @property
     def summary(self) -> str:
         """What the leaf predicts and the training counts, in words."""
+        return f"{self.says.removeprefix('probability ')}  ({self.counts_in_words})"
 
 
 @final
@@ -44,10 +59,15 @@ class Leaf(AnyLeaf):
     """
 
     @property
-    def summary(self) -> str:
-        """The probability and the training counts in words."""
+    def says(self) -> str:
+        """The probability."""
+        return f"probability {probability(self.probability)}"
+
+    @property
+    def counts_in_words(self) -> str:
+        """The positive scenes of all."""
         total = self.negatives + self.positives
-        return f"{probability(self.probability)}  ({self.positives} of {counted(total, 'scene')} positive)"
+        return f"{self.positives} of {counted(total, 'scene')} positive"
 
 
 @final
@@ -59,15 +79,28 @@ class MeanLeaf(AnyLeaf):
     ----------
     deviation : float
         Standard deviation of the training scenes decided by this leaf; of all of them if it decides none.
+    lowest : bool
+        Whether the leaf with the lowest mean decides: then `probability` is minus the mean.
     """
 
     deviation: float
+    lowest: bool = False
 
     @property
-    def summary(self) -> str:
-        """The mean, the deviation and the training count in words."""
+    def prediction(self) -> float:
+        """The mean."""
+        return -self.probability if self.lowest else self.probability
+
+    @property
+    def says(self) -> str:
+        """The mean."""
+        return f"mean {number(self.prediction)}"
+
+    @property
+    def counts_in_words(self) -> str:
+        """The deviation, and how many scenes."""
         spread = f"deviation {number(self.deviation)}, " if self.positives else ""
-        return f"mean {number(self.probability)}  ({spread}{counted(self.positives, 'scene')})"
+        return f"{spread}{counted(self.positives, 'scene')}"
 
 
 @final
@@ -90,10 +123,14 @@ class ClassLeaf(AnyLeaf):
     counts: tuple[int, ...]
 
     @property
-    def summary(self) -> str:
-        """The shares and the training counts in words."""
-        shares = ", ".join(probability(share) for share in self.shares)
-        return f"{shares}  ({', '.join(map(str, self.counts))} of {counted(sum(self.counts), 'scene')})"
+    def says(self) -> str:
+        """The share of each class."""
+        return ", ".join(probability(share) for share in self.shares)
+
+    @property
+    def counts_in_words(self) -> str:
+        """The scenes of each class."""
+        return f"{', '.join(map(str, self.counts))} of {counted(sum(self.counts), 'scene')}"
 
 
 def counted(count: int, noun: str, plural: str | None = None) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from relforest.mappings.operations import DIFFERENCE, DISTANCE, IDENTITY
 from relforest.trees.nodes import AnyLeaf, Instantiation, Node, Question, children
-from relforest.volumes import Ellipsoid
+from relforest.volumes import Arc, Ellipsoid
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -107,10 +107,10 @@ def _pack_question(node: Question, first: int, row: NDArray[np.int64]) -> None:
 
 
 def _volume_numbers(volume: Volume) -> NDArray[np.float64]:
-    if isinstance(volume, Ellipsoid):
-        head = [volume.radius * volume.radius, volume.density_sharpness]
-        return np.concatenate([head, volume.mean, volume.precision.ravel()])
-    return np.array([volume.radius * volume.radius, volume.kappa, volume.mean, 1.0])
+    if isinstance(volume, Arc):
+        return np.array([volume.radius * volume.radius, volume.kappa, volume.mean, 1.0])
+    head = [volume.radius * volume.radius, volume.density_sharpness]
+    return np.concatenate([head, volume.mean, volume.precision.ravel()])
 
 
 def _suits_boxes(question: Question, variable: int) -> bool:

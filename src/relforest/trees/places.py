@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from relforest.support.numerals import finite
-from relforest.volumes import Arc
+from relforest.volumes import Arc, Slab
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,13 +27,15 @@ _COMPACT: Final = 0.5
 
 
 class _Extents(NamedTuple):
-    """The box around an ellipsoid."""
+    """The box around a volume, without end where a coordinate does not matter."""
 
     centre: NDArray[np.float64]
     half: NDArray[np.float64]
 
     def side(self, axis: int, border: float = 0.0) -> int:
         """Return 1 if all of the volume is beyond `border`, -1 if all of it is short of it, else 0."""
+        if math.isinf(self.half[axis]):
+            return 0
         offset, overlap = self.centre[axis] - border, 2 * _OVERLAP * self.half[axis]
         beyond, short = (bool(sign * offset >= self.half[axis] - overlap) for sign in (1, -1))
         return beyond - short
@@ -41,7 +43,7 @@ class _Extents(NamedTuple):
     def around(self, *point: float) -> bool:
         """Return whether the volume surrounds `point`, its centre being near."""
         away = float(np.linalg.norm(self.centre - np.array(point)))
-        return away <= _CENTRED * float(self.half.min())
+        return away <= _CENTRED * float(self.half.min()) and not np.isinf(self.half).any()
 
 
 def place(mapping: Mapping, volume: Volume, names: list[str]) -> str:
@@ -75,7 +77,11 @@ def place(mapping: Mapping, volume: Volume, names: list[str]) -> str:
             return ""
 
 
-def _box(volume: Ellipsoid) -> _Extents:
+def _box(volume: Ellipsoid | Slab) -> _Extents:
+    if isinstance(volume, Slab):
+        endless = np.full(volume.dim, np.inf)
+        endless[volume.axis] = _box(volume.interval).half[0]
+        return _Extents(volume.mean, endless)
     half = [finite(volume.radius * math.sqrt(variance)) for variance in np.diag(volume.covariance).tolist()]
     return _Extents(volume.mean, np.array(half))
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from relforest.support.numerals import LONGEST_VECTOR, ends, finite, number, rounded, vector
-from relforest.volumes import Arc
+from relforest.volumes import Arc, Ellipsoid
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from relforest.volumes import Ellipsoid, Volume
+    from relforest.volumes import Volume
 
 Interval = tuple[float, float]
 
@@ -28,7 +28,7 @@ _GAP: Final = 0.5
 _MOST_AXES: Final = 3
 
 
-def region(volume: Volume) -> str:
+def region(volume: Ellipsoid | Arc) -> str:
     """Say which points a volume holds.
 
     Examples
@@ -47,7 +47,7 @@ def region(volume: Volume) -> str:
 
 def interval(volume: Volume) -> Interval:
     """Return the two ends of a one-dimensional volume."""
-    variance = 1.0 if isinstance(volume, Arc) else float(volume.covariance[0, 0])
+    variance = float(volume.covariance[0, 0]) if isinstance(volume, Ellipsoid) else 1.0
     centre, half = float(np.ravel(volume.mean)[0]), finite(volume.radius * math.sqrt(variance))
     return finite(centre - half), finite(centre + half)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Protocol, final
 
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
 
     from relforest.mappings.mapping import Space
     from relforest.trees.bags import Bags
-    from relforest.trees.criterion import Target, View
+    from relforest.trees.criterion import Target
     from relforest.trees.expansions import Expansion
     from relforest.trees.sequences import Sequences
 
 
 # Beyond so many sequences for each of `max_points`, answering a question once would take minutes.
 _LARGEST_RATIO: Final = 100
+# With more points a try takes so long that the screened search tries a question once.
+_MANY_POINTS: Final = 20_000
 
 
 class SearchSettings(Protocol):
@@ -125,33 +127,56 @@ class ExhaustiveLeaf:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Screened:
-    """Aggregate every question on a few scenes with little effort, and the few best of them on all scenes.
-
-    The scenes are drawn anew for each search from those that arrive at the leaf, as many of each class as
-    possible. A question whose scenes all hold the same points cannot separate anything, and is skipped. What
-    counts is the p-value of the gain in log likelihood that the volume has on the scenes drawn, extrapolated
-    to all that arrive. The correction for multiple comparisons counts every question `attempts` times as in
-    the exhaustive search, although only the best are tried so often.
+class Round:
+    """One round of a screening.
 
     Parameters
     ----------
     n_scenes : int
         Scenes drawn.
-    n_kept : int
-        Questions that are then aggregated on all scenes.
     max_points : int
         Most instantiation sequences of the scenes drawn that an expansion looks at.
+    n_kept : int
+        Questions that stay.
     covagg : CovAggSettings
-        Parameters of covariant aggregation on the scenes drawn.
+        Parameters of covariant aggregation on the scenes drawn; shape and learner are those of the tree.
     """
 
-    n_scenes: int = 120
-    n_kept: int = 4
-    max_points: int = 3_000
-    covagg: CovAggSettings = field(default_factory=lambda: CovAggSettings(window=4, restarts=2, sampled=2))
+    n_scenes: int
+    max_points: int
+    n_kept: int
+    covagg: CovAggSettings
 
-    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> LeafSearch:
+
+@final
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """Aggregate every question on a few scenes with little effort, and the few best of them on all scenes.
+
+    In each round the scenes are drawn anew from those that the leaf decides, as many of each class as
+    possible: what other leaves decide, they explain already, and to find it again would be no gain. A
+    question whose scenes all hold the same points cannot separate anything, and is skipped; so is one that
+    has the same points as another. What counts is the p-value of the gain in log likelihood that the volume
+    has on the scenes drawn, extrapolated to all of them.
+
+    The questions that stay are aggregated `attempts` times on all scenes that arrive, and the best of them
+    `attempts` - 1 times more; those with very many points just once. The correction for multiple comparisons
+    counts every question `attempts` times as in the exhaustive search.
+
+    Parameters
+    ----------
+    rounds : tuple of Round
+        The first ones are left out where there are no more questions than they would keep. The last should
+        see all pairs of objects of ordinary scenes: a sample of them misses what few pairs show, such as
+        that two objects are far apart.
+    """
+
+    rounds: tuple[Round, ...] = (
+        Round(120, 3_000, 16, CovAggSettings(window=4, restarts=2, sampled=2)),
+        Round(240, 12_000, 4, CovAggSettings(window=4, restarts=4, sampled=2)),
+    )
+
+    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> ScreenedLeaf:
         """Count the instantiation sequences, and draw them for the expansions that have too many."""
         expansions: list[Expansion] = []
         n_left_out = n_sampled = 0
@@ -167,12 +192,14 @@ class Screened:
             expansions.append(expansion)
         most = max((expansion.n_new for expansion in expansions), default=-1)
         full = arrivals.drawn(most, settings.max_points, rng)
-        return _ScreenedLeaf(self, arrivals, expansions, full, settings, n_left_out, n_sampled)
+        return ScreenedLeaf(self, arrivals, expansions, full, settings, n_left_out, n_sampled)
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class _ScreenedLeaf:
+class ScreenedLeaf:
+    """The questions at a leaf, and the sequences on which the best of them are tried."""
+
     plan: Screened
     arrivals: Arrivals
     expansions: list[Expansion]
@@ -183,57 +210,79 @@ class _ScreenedLeaf:
 
     def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
         """Screen all questions and try the best."""
-        promising, n_questions = self._screened(target, rng)
+        promising, n_questions = self.screened(target, at, rng)
         best: Candidate | None = None
         for expansion in promising:
             question = PreparedQuestion(self.arrivals.scenes, expansion, self.full[expansion.n_new])
-            for _ in range(self.settings.attempts):
+            for _ in range(self._tries(question)):
+                best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
+        if best is not None:
+            question = best.question
+            for _ in range(self._tries(question) - 1):
                 best = _better(best, _tried(question, target, at, self.settings.covagg, rng))
         if best is None:
             return None
         if best.question.sequences.ratio > 1.0:
-            best = at.judged(best.question, best.volume, target, exactly=True)
+            shape = self.settings.covagg.shape
+            best = at.judged(best.question, best.volume, target, exactly=True, shape=shape)
         return best.among(n_questions * self.settings.attempts)
 
-    def _screened(self, target: Target, rng: np.random.Generator) -> tuple[list[Expansion], int]:
+    def _tries(self, question: PreparedQuestion) -> int:
+        return 1 if len(question.bags.points) > _MANY_POINTS else self.settings.attempts
+
+    def screened(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> tuple[list[Expansion], int]:
         """Return the most promising expansions, and how many have points."""
-        arrivals, plan = self.arrivals, self.plan
-        present = np.unique(arrivals.sequences.scene)
-        drawn = stratified(present, target.strata, plan.n_scenes, rng)
-        share = len(present) / max(len(drawn), 1)
-        most = max((expansion.n_new for expansion in self.expansions), default=-1)
+        arriving = np.unique(self.arrivals.sequences.scene)
+        scenes = arriving[at.assignment.winner[arriving] == at.leaf]
+        promising, n_questions = self.expansions, None
+        *first, last = self.plan.rounds
+        for plan in (*(plan for plan in first if len(promising) > plan.n_kept), last):
+            promising, n = self._ranked(promising, scenes, plan, target, rng)
+            n_questions = n if n_questions is None else n_questions
+        return promising, n_questions or 0
+
+    def _ranked(
+        self,
+        expansions: list[Expansion],
+        scenes: NDArray[np.int64],
+        plan: Round,
+        target: Target,
+        rng: np.random.Generator,
+    ) -> tuple[list[Expansion], int]:
+        """Return the best of some expansions, the most promising first, and how many have points."""
+        arrivals, wanted = self.arrivals, self.settings.covagg
+        settings = replace(plan.covagg, shape=wanted.shape, learner=wanted.learner)
+        drawn = stratified(scenes, target.strata, plan.n_scenes, rng)
+        share = len(scenes) / max(len(drawn), 1)
+        most = max((expansion.n_new for expansion in expansions), default=-1)
         few = arrivals.only(drawn).drawn(most, plan.max_points, rng)
+        asked: dict[tuple[int, tuple[int, ...]], Sequences] = {}
+        seen: set[int] = set()
         ranked: list[tuple[float, float, int]] = []
         n_questions = 0
-        for number, expansion in enumerate(self.expansions):
-            report("expansions tried", number, len(self.expansions))
-            mapping = expansion.mapping
-            bags = bags_of(arrivals.scenes, few[expansion.n_new].distinct(expansion.variables), mapping)
+        for number, expansion in enumerate(expansions):
+            report("expansions tried", number, len(expansions))
+            mapping, key = expansion.mapping, (expansion.n_new, expansion.variables)
+            if key not in asked:
+                asked[key] = few[expansion.n_new].distinct(expansion.variables)
+            bags = bags_of(arrivals.scenes, asked[key], mapping)
             n_questions += int(len(bags.points) > 0)
-            if not bags.differ:
+            parts = (bags.points, bags.starts, bags.scenes)
+            points = hash((mapping.space, *(part.tobytes() for part in parts)))
+            if points in seen or not bags.differ:
                 continue
-            views = target.views(bags.scenes)
-            gains = [share * self._gain(target, view, bags, mapping.space, rng) for view in views]
-            gain = max(gains, default=-np.inf)
+            seen.add(points)
+            gain = _gain(target, bags, mapping.space, settings, rng)
             if gain == -np.inf:
                 continue
-            n_parameters = added_parameters(mapping, has_errors=False, n_values=target.n_values)
+            n_parameters = added_parameters(
+                mapping, has_errors=False, n_values=target.n_values, shape=wanted.shape
+            )
+            # Half a unit per parameter comes from fitting noise (half the mean of chi-square), and does not
+            # grow with the number of scenes.
+            gain = share * gain - (share - 1.0) * n_parameters / 2.0
             ranked.append((likelihood_ratio_p(gain, n_parameters), -gain, number))
-        return [self.expansions[number] for *_, number in sorted(ranked)[: plan.n_kept]], n_questions
-
-    def _gain(self, target: Target, view: View, bags: Bags, space: Space, rng: np.random.Generator) -> float:
-        """Return what the best volume found with little effort adds to the likelihood of the scenes drawn."""
-        score = best_score(
-            bags.points,
-            bags.starts,
-            view.labels,
-            rng=rng,
-            space=space,
-            objective=view.objective,
-            evidence=view.evidence,
-            settings=self.plan.covagg,
-        )
-        return -np.inf if score == -np.inf else target.gain(view, score, bags.scenes)
+        return [expansions[number] for *_, number in sorted(ranked)[: plan.n_kept]], n_questions
 
 
 SEARCHES: Final[MappingProxyType[SearchName, Search]] = MappingProxyType(
@@ -257,6 +306,27 @@ def stratified(
     return np.sort(np.concatenate(parts))
 
 
+def _gain(
+    target: Target, bags: Bags, space: Space, settings: CovAggSettings, rng: np.random.Generator
+) -> float:
+    """Return what the best volume for any view of the target adds to the likelihood of the bags' scenes."""
+    best = -np.inf
+    for view in target.views(bags.scenes):
+        score = best_score(
+            bags.points,
+            bags.starts,
+            view.labels,
+            rng=rng,
+            space=space,
+            objective=view.objective,
+            evidence=view.evidence,
+            settings=settings,
+        )
+        if score > -np.inf:
+            best = max(best, target.gain(view, score, bags.scenes))
+    return best
+
+
 def _tried(
     question: PreparedQuestion,
     target: Target,
@@ -278,7 +348,7 @@ def _tried(
             settings=settings,
         )
         if found is not None:
-            best = _better(best, at.judged(question, found.volume, target))
+            best = _better(best, at.judged(question, found.volume, target, shape=settings.shape))
     return best
 
 

@@ -8,13 +8,15 @@ from scipy.special import gammaincc
 
 if TYPE_CHECKING:
     from relforest.mappings import Mapping
+    from relforest.volumes.settings import Shape
 
 
-def added_parameters(mapping: Mapping, *, has_errors: bool, n_values: int = 1) -> int:
+def added_parameters(mapping: Mapping, *, has_errors: bool, n_values: int = 1, shape: Shape = "full") -> int:
     """Degrees of freedom that a question adds to a tree.
 
     The volume's centre, its shape and size (on the circle just its width; of a category, just which one it
-    is), and the probabilities of one or two more leaves (`n_values` each, which is one, or for several
+    is; of a diagonal shape, a width for each dimension; of one dimension of several, which one it is, centre
+    and width), and the probabilities of one or two more leaves (`n_values` each, which is one, or for several
     classes one less than there are). The source gives no count; this is the natural one for a codomain of
     dimension d, with instantiation nodes free.
 
@@ -27,10 +29,14 @@ def added_parameters(mapping: Mapping, *, has_errors: bool, n_values: int = 1) -
     """
     dim = mapping.dim
     if mapping.space == "category":
-        # Which one it is.
-        return 1 + (2 if has_errors else 1) * n_values
-    shape = 1 if mapping.space == "circle" else dim * (dim + 1) // 2
-    return dim + shape + (2 if has_errors else 1) * n_values
+        of_volume = 1
+    elif dim == 1:
+        of_volume = 2
+    elif shape == "axis":
+        of_volume = 3
+    else:
+        of_volume = dim + (dim if shape == "diagonal" else dim * (dim + 1) // 2)
+    return of_volume + (2 if has_errors else 1) * n_values
 
 
 def likelihood_ratio_p(gain: float, n_parameters: int) -> float:

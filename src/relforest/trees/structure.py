@@ -8,7 +8,7 @@ import numpy as np
 
 from relforest.support.errors import InputError
 from relforest.trees.nodes import Instantiation, Node, Question, children
-from relforest.volumes import Ellipsoid
+from relforest.volumes import Ellipsoid, Slab
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,6 +23,7 @@ MAX_NODES: Final = 100_000
 MAX_VARIABLES: Final = 100
 MAX_DEPTH: Final = 1000
 MAX_ABOVE: Final = 5_000_000
+MAX_SLABS: Final = 5_000_000
 
 
 def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int], list[tuple[int, ...]]]:
@@ -92,6 +93,9 @@ def _check_size(schema: Schema, nodes: tuple[Node, ...]) -> None:
     _check_most("attributes", len(schema.attributes), MAX_ATTRIBUTES)
     _check_most("action arguments", schema.n_parameters, MAX_VARIABLES)
     _check_most("components of attributes", schema.width, MAX_WIDTH)
+    # Their matrices are not in the file, but packed with the tree.
+    slabs = [node.volume for node in nodes if isinstance(node, Question) and isinstance(node.volume, Slab)]
+    _check_most("numbers in the matrices of its slabs", sum(slab.dim**2 for slab in slabs), MAX_SLABS)
 
 
 def _check_most(what: str, count: int, most: int) -> None:
@@ -115,7 +119,8 @@ def _check_question(known: frozenset[Attribute], index: int, node: Question, n_b
     if mapping.space == "category":
         _check_category(index, node)
     shape = "arc" if mapping.space == "circle" else "ellipsoid"
-    if node.volume.dim != mapping.dim or type(node.volume).__name__.lower() != shape:
+    fits = type(node.volume).__name__.lower() == shape or (isinstance(node.volume, Slab) and shape != "arc")
+    if node.volume.dim != mapping.dim or not fits:
         msg = f"node {index}: {mapping.name} needs an {shape} in {mapping.dim} dimension(s)"
         raise InputError(msg)
 

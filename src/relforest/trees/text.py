@@ -17,16 +17,16 @@ from relforest.trees.nodes import (
     counted,
     variable_name,
 )
-from relforest.trees.places import SIDES, place
+from relforest.trees.places import AXIS_NAMES, SIDES, place
 from relforest.trees.regions import interval, region, span
-from relforest.volumes import Arc
+from relforest.volumes import Arc, Slab
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from relforest.mappings import Mapping
     from relforest.scenes import Schema
-    from relforest.volumes import Volume
+    from relforest.volumes import Ellipsoid, Volume
 
 _SPOKEN_WITH_VOWEL: Final = frozenset("AEFHILMNORSX")
 _ORIENTATION: Final = "left and right are as on a map, with x to the right and y upwards"
@@ -118,11 +118,6 @@ def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
     )
 
 
-def leaf_summary(leaf: AnyLeaf) -> str:
-    """Return what a leaf predicts, and its training counts."""
-    return leaf.summary
-
-
 def introduced(schema: Schema, nodes: tuple[Node, ...]) -> dict[int, tuple[int, ...]]:
     """Return, for the index of each question, its new variables that range over objects."""
     new: dict[int, tuple[int, ...]] = {}
@@ -167,7 +162,7 @@ def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
             node = nodes[index]
         margin = "    " * indent
         if isinstance(node, AnyLeaf):
-            yield f"{margin}{label}{leaf_summary(node)}"
+            yield f"{margin}{label}{node.summary}"
             continue
         text = sentence(node, fresh_variables(schema, n_bound, n_new))
         given = _given(schema, range(n_bound, min(n_bound + n_new, schema.n_parameters)))
@@ -214,6 +209,8 @@ def _statement(question: Question) -> _Statement:
     compared = distance or mapping.operation in {"scaled_distance", "bearing"}
     located = mapping.attribute.name == "location" and (compared or volume.dim > 1)
     owners = names if located else [f"{name}'s" for name in names]
+    if isinstance(volume, Slab):
+        return _component(mapping, volume, names, owners)
     if distance:
         exact = _distance(volume, owners[0])
     elif mapping.operation == "identity":
@@ -229,6 +226,24 @@ def _statement(question: Question) -> _Statement:
     return _Statement(names[-1], "has", "", f"{mapping.attribute.name} {exact}")
 
 
+def _component(mapping: Mapping, volume: Slab, names: list[str], owners: list[str]) -> _Statement:
+    if mapping.attribute.name == "location" and volume.dim <= len(AXIS_NAMES):
+        component, owner = AXIS_NAMES[volume.axis], names[-1]
+    else:
+        component, owner = f"component {volume.axis + 1}", f"{names[-1]}'s {mapping.attribute.name}"
+    subject = f"{component} of {owner}"
+    if mapping.operation == "difference":
+        return _Statement(subject, "is", "", _difference(volume.interval, f"{names[0]}'s"))
+    exact = region(volume.interval)
+    if mapping.operation == "identity":
+        return _Statement(subject, "is", "", exact)
+    framed = f"{exact}, {_frame(mapping.operation, owners, volume.dim)}"
+    lead = place(mapping, volume, names)
+    if lead:
+        return _Statement(names[-1], "is", lead, f"{component} {framed}")
+    return _Statement(subject, "is", "", framed)
+
+
 def _category(mapping: Mapping, number: int, reference: str) -> str:
     name = mapping.attribute.name
     if mapping.operation == "same":
@@ -237,11 +252,22 @@ def _category(mapping: Mapping, number: int, reference: str) -> str:
 
 
 def _seen_from(operation: str, limits: tuple[float, float], names: list[str]) -> str:
-    low, high = max(limits[0], 0.0), limits[1]
     if operation == "bearing":
-        turned = span((math.degrees(low), math.degrees(high)))
+        turned = _bounded(math.degrees(limits[0]), math.degrees(limits[1]), 180.0)
         return f"{turned} degrees from {names[1]}, seen from {names[0]}"
-    return f"{span((low, high))} times as far from {names[0]} as {names[1]}"
+    return f"{_bounded(*limits, math.inf)} times as far from {names[0]} as {names[1]}"
+
+
+def _bounded(low: float, high: float, most: float) -> str:
+    """Say which numbers from 0 to `most` an interval holds, without the ends that cut none of them off."""
+    if high > 0.0:
+        low = max(low, 0.0)
+    low_text, high_text = ends(low, high)
+    if low_text == "0" != high_text and high < most:
+        return f"at most {high_text}"
+    if low_text != "0" and high >= most:
+        return f"at least {ends(low, most)[0]}"
+    return span((low, high))
 
 
 def _frame(operation: str, names: list[str], dim: int) -> str:
@@ -264,7 +290,7 @@ def _distance(volume: Volume, reference: str) -> str:
     return f"{span((low, high))} from {reference}"
 
 
-def _difference(volume: Volume, reference: str) -> str:
+def _difference(volume: Ellipsoid | Arc, reference: str) -> str:
     if isinstance(volume, Arc) or volume.dim > 1:
         extent = region(volume)
         centred = extent.removesuffix(" of 0 rad")

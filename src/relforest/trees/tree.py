@@ -100,14 +100,19 @@ class Tree:
 
     @property
     def leaf_probabilities(self) -> NDArray[np.float64]:
-        """Probability of each leaf (for real targets the mean), (n_leaves,)."""
+        """Probability of each leaf, (n_leaves,): of those reached, the leaf with the largest one decides."""
         return np.array([node.probability for node in self.nodes if isinstance(node, AnyLeaf)])
+
+    @property
+    def leaf_predictions(self) -> NDArray[np.float64]:
+        """What each leaf predicts: its probability, or for real targets the mean, (n_leaves,)."""
+        return np.array([node.prediction for node in self.nodes if isinstance(node, AnyLeaf)])
 
     @property
     def values(self) -> NDArray[np.float64]:
         """What each leaf predicts, (n_leaves, 1), or the shares of several classes (n_leaves, n_classes)."""
         shares = [node.shares for node in self.nodes if isinstance(node, ClassLeaf)]
-        return np.array(shares) if shares else self.leaf_probabilities[:, None]
+        return np.array(shares) if shares else self.leaf_predictions[:, None]
 
     def with_leaves(self, leaves: Sequence[AnyLeaf]) -> Tree:
         """Return the same tree with other leaves, given in leaf order."""

@@ -3,6 +3,7 @@ from .covagg import Aggregation, aggregate
 from .ellipsoid import Ellipsoid
 from .objectives import Objective
 from .settings import CovAggSettings
+from .slab import Slab
 from .volume import Volume, volume_from_dict
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "CovAggSettings",
     "Ellipsoid",
     "Objective",
+    "Slab",
     "Volume",
     "aggregate",
     "volume_from_dict",

@@ -70,7 +70,7 @@ def aggregate_keys(
     window, restarts, _ = problem.plan
     radius, n_models = -1.0, 0
     for restart in range(min(restarts, len(starts))):
-        swap = restart + _below(len(starts) - restart, dice)
+        swap = restart + draw_below(len(starts) - restart, dice)
         starts[restart], starts[swap] = starts[swap], starts[restart]
         n_models += _start(bags, starts[restart], problem, models, buckets)
         if models.numbers[CURRENT, SCORE] == -np.inf:
@@ -151,10 +151,10 @@ def _step(
     added = -1
     n_tried = min(problem.plan[2], n_candidates)
     for i in range(n_tried):
-        swap = i + _below(n_candidates - i, dice)
+        swap = i + draw_below(n_candidates - i, dice)
         candidates[i], candidates[swap] = candidates[swap], candidates[i]
         bag = candidates[i]
-        column = _witness(bags, bag, problem.space, models)
+        column = witness_column(bags, bag, problem.space, models)
         _try(bags, problem, (CURRENT, column), models.numbers[CHOSEN, SCORE], models, buckets)
         if models.numbers[TRIAL, SCORE] > models.numbers[CHOSEN, SCORE]:
             copy_model(models, TRIAL, CHOSEN)
@@ -182,13 +182,8 @@ def _try(
     regularisation = (problem.prior, problem.max_condition)
     if not add_key(problem.space, models, base, bags.points[:, column], regularisation):
         return
+    measure(bags, problem.space, models)
     squared = models.squared[TRIAL]
-    centre, metric = models.centres[TRIAL], models.metrics[TRIAL]
-    rank = low_rank(models, TRIAL)
-    if rank < 0:
-        witness_distances(problem.space, bags, centre, metric, squared)
-    else:
-        low_rank_distances(bags, centre, metric, rank, squared)
     scale = models.numbers[CURRENT, EDGE] if base >= 0 else 0.0
     if not scale > 0.0:
         scale = squared.mean() + np.finfo(np.float64).tiny
@@ -202,7 +197,19 @@ def _try(
 
 
 @kernel
-def _witness(bags: SlotMajor, bag: int, space: int, models: Models) -> int:
+def measure(bags: SlotMajor, space: int, models: Models) -> None:
+    """Fill in the witness distances of `TRIAL`."""
+    squared = models.squared[TRIAL]
+    centre, metric = models.centres[TRIAL], models.metrics[TRIAL]
+    rank = low_rank(models, TRIAL)
+    if rank < 0:
+        witness_distances(space, bags, centre, metric, squared)
+    else:
+        low_rank_distances(bags, centre, metric, rank, squared)
+
+
+@kernel
+def witness_column(bags: SlotMajor, bag: int, space: int, models: Models) -> int:
     """Column in `bags.points` of the witness of `bag` for `CURRENT`."""
     centre, metric = models.centres[CURRENT], models.metrics[CURRENT]
     rank = low_rank(models, CURRENT)
@@ -224,7 +231,7 @@ def _consider(models: Models, radius: float) -> float:
 
 
 @kernel
-def _below(n: int, dice: Dice) -> int:
+def draw_below(n: int, dice: Dice) -> int:
     """Next integer in [0, n)."""
     draw = dice.draws[dice.used[0]]
     dice.used[0] += 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, final
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, final
 
 import numpy as np
 
@@ -14,12 +14,14 @@ from relforest.volumes.arc import Arc
 from relforest.volumes.bag_layout import slot_major
 from relforest.volumes.categories import best_category, category_volume
 from relforest.volumes.conditioning import condition
+from relforest.volumes.diverse_density import diverse_density_keys
 from relforest.volumes.ellipsoid import Ellipsoid
 from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
 from relforest.volumes.objectives import OBJECTIVES, WEIGHTED, Objective, entropy_table
 from relforest.volumes.principal_axes import PrincipalAxes, principal_axes
 from relforest.volumes.settings import CovAggSettings
-from relforest.volumes.witnesses import CIRCLE, EUCLIDEAN
+from relforest.volumes.slab import Slab
+from relforest.volumes.witnesses import CIRCLE, DIAGONAL, EUCLIDEAN
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,7 +41,7 @@ class Aggregation:
 
     Parameters
     ----------
-    volume : Ellipsoid or Arc
+    volume : Ellipsoid, Arc or Slab
         The best decision volume over all steps and restarts.
     score : float
         Its objective on the training bags: the number of correctly labelled bags, or log L.
@@ -113,24 +115,31 @@ def aggregate(
         category, score, n_tried = best_category(points, starts, (labels, evidence), objective)
         return None if score == -np.inf else Aggregation(category_volume(category), score, n_tried)
     searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
-    if searched is None:
-        return None
-    found, prior, axes = searched
-    models = found.models
-    score, n_keys = float(models.numbers[BEST, SCORE]), int(models.numbers[BEST, COUNT])
-    if score == -np.inf:
+    if searched is None or searched.score == -np.inf:
         return None
     if circular:
-        in_positive = np.repeat(labels, np.diff(starts))
-        kappa = _concentration(models.sums[BEST] / n_keys, points[in_positive], n_keys, settings.prior_weight)
-        volume: Volume = Arc(float(models.centres[BEST, 0]), found.radius, kappa)
+        volume: Volume = _arc(searched.found, points[np.repeat(labels, np.diff(starts))], settings)
     else:
-        mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + prior
-        condition(covariance, settings.max_condition)
-        if axes is not None:
-            mean, covariance = axes.back(mean, covariance)
-        volume = Ellipsoid(mean, covariance, found.radius, n_keys, float(settings.prior_weight))
-    return Aggregation(volume, score, found.n_models)
+        ellipsoid = _ellipsoid(searched, settings)
+        dim = points.shape[1]
+        volume = ellipsoid if searched.axis is None else Slab(ellipsoid, searched.axis, dim)
+    return Aggregation(volume, searched.score, searched.n_models)
+
+
+def _arc(found: Found, angles: NDArray[np.float64], settings: CovAggSettings) -> Arc:
+    """Return the arc found; `angles` (n, 1) are those of positive bags."""
+    models, n_keys = found.models, int(found.models.numbers[BEST, COUNT])
+    kappa = _concentration(models.sums[BEST] / n_keys, angles, n_keys, settings.prior_weight)
+    return Arc(float(models.centres[BEST, 0]), found.radius, kappa)
+
+
+def _ellipsoid(searched: _Searched, settings: CovAggSettings) -> Ellipsoid:
+    models, n_keys = searched.found.models, int(searched.found.models.numbers[BEST, COUNT])
+    mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + searched.prior
+    condition(covariance, settings.max_condition)
+    if searched.turned is not None:
+        mean, covariance = searched.turned.back(mean, covariance)
+    return Ellipsoid(mean, covariance, searched.found.radius, n_keys, float(settings.prior_weight))
 
 
 def best_score(
@@ -149,7 +158,21 @@ def best_score(
         return best_category(points, starts, (labels, evidence), objective)[1]
     circular = space == "circle"
     searched = _search(points, starts, (labels, evidence), rng, circular, objective, settings)
-    return -np.inf if searched is None else float(searched[0].models.numbers[BEST, SCORE])
+    return -np.inf if searched is None else searched.score
+
+
+class _Searched(NamedTuple):
+    """What the compiled part found."""
+
+    found: Found
+    prior: NDArray[np.float64]
+    turned: PrincipalAxes | None
+    n_models: int
+    axis: int | None = None  # the only coordinate that the search has seen
+
+    @property
+    def score(self) -> float:
+        return float(self.found.models.numbers[BEST, SCORE])
 
 
 def _search(
@@ -160,19 +183,30 @@ def _search(
     circular: bool,  # noqa: FBT001
     objective: Objective,
     settings: CovAggSettings,
-) -> tuple[Found, NDArray[np.float64], PrincipalAxes | None] | None:
+) -> _Searched | None:
     """Run the compiled loop on bags with these labels and evidence; None without positive bags."""
     labels, evidence = known
-    n_positive = int(np.count_nonzero(labels))
+    n_positive, dim = int(np.count_nonzero(labels)), points.shape[1]
     if n_positive == 0:
         return None
+    if settings.shape == "axis" and dim > 1:
+        columns = [np.ascontiguousarray(points[:, axis : axis + 1]) for axis in range(dim)]
+        each = [_search(column, starts, known, rng, circular, objective, settings) for column in columns]
+        found = [one._replace(axis=axis) for axis, one in enumerate(each) if one is not None]
+        # The first of equals.
+        best = max(found, key=lambda one: one.score)
+        return best._replace(n_models=sum(one.n_models for one in found))
+    is_diagonal = settings.shape == "diagonal" and dim > 1
     in_positive = np.repeat(labels, starts[1:] - starts[:-1])
-    axes = principal_axes(points, in_positive) if points.shape[1] > FEW_DIMENSIONS else None
-    if axes is None:
-        prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
+    # A rotation would make other matrices diagonal.
+    turned = principal_axes(points, in_positive) if dim > FEW_DIMENSIONS and not is_diagonal else None
+    if turned is not None:
+        points, prior = turned.coordinates, np.diag(settings.prior_weight * turned.variances)
+    elif is_diagonal:
+        prior = np.diag(settings.prior_weight * points[in_positive].var(axis=0))
     else:
-        points, prior = axes.coordinates, np.diag(settings.prior_weight * axes.variances)
-    code = CIRCLE if circular else EUCLIDEAN
+        prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
+    code = CIRCLE if circular else DIAGONAL if is_diagonal else EUCLIDEAN
     plan = (settings.window, settings.restarts, settings.sampled)
     table = entropy_table(len(labels))
     problem = Problem(code, OBJECTIVES[objective], prior, float(settings.max_condition), table, plan)
@@ -182,7 +216,14 @@ def _search(
         layout, positives = slot_major(points, starts, labels)
     else:
         layout, positives = slot_major(points, starts, labels, evidence)
-    return aggregate_keys(layout, positives, problem, draws), prior, axes
+    if settings.learner == "covagg":
+        found_keys = aggregate_keys(layout, positives, problem, draws)
+    else:
+        sharpness = settings.prior_weight
+        if circular:
+            sharpness = 0.5 / max(_circular_variance(points[in_positive]), 1e-12)
+        found_keys = diverse_density_keys(layout, positives, problem, sharpness, draws)
+    return _Searched(found_keys, prior, turned, found_keys.n_models)
 
 
 def _check(
@@ -236,7 +277,12 @@ def _concentration(
     from the mean resultant length by the usual approximation (Mardia, 1975).
     """
     spread_keys = 1.0 - float(np.hypot(*key_mean))
-    spread_all = 1.0 - float(np.hypot(np.cos(angles).mean(), np.sin(angles).mean()))
+    spread_all = _circular_variance(angles)
     spread = (n_keys * spread_keys + prior_weight * spread_all) / (n_keys + prior_weight)
     length = min(max(1.0 - spread, 0.0), 1.0 - 1e-9)
     return length * (2.0 - length**2) / (1.0 - length**2)
+
+
+def _circular_variance(angles: NDArray[np.float64]) -> float:
+    """One less the mean resultant length; half of the variance where angles are close."""
+    return 1.0 - float(np.hypot(np.cos(angles).mean(), np.sin(angles).mean()))

@@ -10,7 +10,7 @@ import numpy as np
 from relforest.support.jit import kernel
 from relforest.volumes.conditioning import condition, extreme_eigenvalues, ridge, whiten
 from relforest.volumes.low_rank import low_rank_metric
-from relforest.volumes.witnesses import CIRCLE
+from relforest.volumes.witnesses import CIRCLE, DIAGONAL
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,7 +40,7 @@ class Models(NamedTuple):
     numbers: NDArray[np.float64]  # (4, 3) score, squared edge of the cut, number of key points
     sums: NDArray[np.float64]  # (4, d) sum of the keys; on the circle (4, 2), of cosines and sines
     scatters: NDArray[np.float64]  # (4, d, d) ncov of eq. 3.4
-    steps: NDArray[np.float64]  # (4, d - 1, d) up to d keys: scatter = steps.T @ steps; few d: none
+    steps: NDArray[np.float64]  # (4, d - 1, d) up to d keys: scatter = steps.T @ steps; few d, diagonal: none
     centres: NDArray[np.float64]  # (4, d); on the circle the mean direction
     metrics: NDArray[np.float64]  # (4, d, d) see `whiten`, or `low_rank_metric` if `low_rank` >= 0
     squared: NDArray[np.float64]  # (4, n_bags) squared witness distances
@@ -55,7 +55,7 @@ def new_models(space: int, dim: int, n_bags: int) -> Models:
         numbers,
         np.zeros((4, 2 if space == CIRCLE else dim)),
         np.zeros((4, dim, dim)),
-        np.zeros((4, dim - 1 if dim > FEW_DIMENSIONS else 0, dim)),
+        np.zeros((4, dim - 1 if dim > FEW_DIMENSIONS and space != DIAGONAL else 0, dim)),
         np.zeros((4, dim)),
         np.zeros((4, dim, dim)),
         np.zeros((4, n_bags)),
@@ -64,8 +64,10 @@ def new_models(space: int, dim: int, n_bags: int) -> Models:
 
 @kernel
 def low_rank(models: Models, row: int) -> int:
-    """Rank of the scatter of the keys where the metric is one of `low_rank`, otherwise -1."""
+    """Rank beside the diagonal where the metric is one of `low_rank`, otherwise -1."""
     dim, n_keys = models.centres.shape[1], int(models.numbers[row, COUNT])
+    if dim > FEW_DIMENSIONS and models.steps.shape[1] == 0:
+        return 0
     return n_keys - 1 if dim > FEW_DIMENSIONS and n_keys <= dim else -1
 
 
@@ -102,59 +104,95 @@ def add_key(
     `base` -1 stands for no key points; `regularisation` is the prior (d, d) of eq. 3.5 and the
     largest condition number of eq. 3.6. Returns False if the keys define no centre.
     """
+    is_defined = add_to_scatter(space, models, base, point)
+    if space != CIRCLE:
+        set_metric(models, regularisation)
+    return is_defined
+
+
+@kernel
+def add_to_scatter(space: int, models: Models, base: int, point: NDArray[np.float64]) -> bool:
+    """Do the part of `add_key` that depends on each key; `base` may be `TRIAL` itself."""
     n = 1.0 if base < 0 else models.numbers[base, COUNT] + 1.0
     models.numbers[TRIAL, COUNT] = n
     if space == CIRCLE:
         return _add_angle(models, base, point[0], n)
-    prior, max_condition = regularisation
     dim = len(point)
     source = max(base, 0)
     # Without a base, both factors drop whatever `source` holds.
     growth, kept = (n - 1.0) / n, 0.0 if base < 0 else 1.0
-    covariance = models.metrics[TRIAL]
     for i in range(dim):
         offset = point[i] - models.centres[source, i]
         for j in range(dim):
             product = offset * (point[j] - models.centres[source, j])
             models.scatters[TRIAL, i, j] = kept * models.scatters[source, i, j] + growth * product
-            covariance[i, j] = models.scatters[TRIAL, i, j] + prior[i, j]
+    if space == DIAGONAL:
+        _drop_correlations(models.scatters[TRIAL])
+    if low_rank(models, TRIAL) > 0:
+        _add_step(models, source, point)
     for i in range(dim):
         # The mean comes from the sum, since a running mean would part points at equal distances.
         models.sums[TRIAL, i] = kept * models.sums[source, i] + point[i]
         models.centres[TRIAL, i] = models.sums[TRIAL, i] / n
-    if dim > FEW_DIMENSIONS and n <= dim:
-        _set_low_rank_metric(models, source, point, regularisation)
-        return True
-    condition(covariance, max_condition)
-    whiten(covariance, covariance)
     return True
 
 
 @kernel
-def _set_low_rank_metric(
-    models: Models,
-    source: int,
-    point: NDArray[np.float64],
-    regularisation: tuple[NDArray[np.float64], float],
-) -> None:
-    """Replace the covariance in the metric of `TRIAL` by the metric for up to d keys."""
-    prior, max_condition = regularisation
-    rank, dim = int(models.numbers[TRIAL, COUNT]) - 1, len(point)
-    diagonal = np.empty(dim)
-    largest, smallest = prior[0, 0], prior[0, 0]
-    for i in range(dim):
-        largest, smallest = max(largest, prior[i, i]), min(smallest, prior[i, i])
-        for row in range(rank - 1):
+def _drop_correlations(matrix: NDArray[np.float64]) -> None:
+    for i in range(len(matrix)):
+        for j in range(len(matrix)):
+            if i != j:
+                matrix[i, j] = 0.0
+
+
+@kernel
+def _add_step(models: Models, source: int, point: NDArray[np.float64]) -> None:
+    """Keep in `steps` of `TRIAL` what `point` adds to the scatter of row `source`."""
+    last = int(models.numbers[TRIAL, COUNT]) - 2
+    for i in range(len(point)):
+        for row in range(last):
             models.steps[TRIAL, row, i] = models.steps[source, row, i]
-        if rank > 0:
-            offset = point[i] - models.centres[source, i]
-            models.steps[TRIAL, rank - 1, i] = math.sqrt(rank / (rank + 1.0)) * offset
+        offset = point[i] - models.centres[source, i]
+        models.steps[TRIAL, last, i] = math.sqrt((last + 1.0) / (last + 2.0)) * offset
+
+
+@kernel
+def set_metric(models: Models, regularisation: tuple[NDArray[np.float64], float]) -> None:
+    """Give `TRIAL` the metric of its scatter, with the prior and the largest condition number."""
+    prior, max_condition = regularisation
+    dim = len(prior)
+    covariance = models.metrics[TRIAL]
+    for i in range(dim):
+        for j in range(dim):
+            covariance[i, j] = models.scatters[TRIAL, i, j] + prior[i, j]
+    rank = low_rank(models, TRIAL)
+    if rank >= 0:
+        _set_low_rank_metric(models, rank, regularisation)
+        return
+    condition(covariance, max_condition)
+    whiten(covariance, covariance)
+
+
+@kernel
+def _set_low_rank_metric(
+    models: Models, rank: int, regularisation: tuple[NDArray[np.float64], float]
+) -> None:
+    """Replace the covariance in the metric of `TRIAL` by a metric of low rank beside the diagonal."""
+    prior, max_condition = regularisation
+    dim = len(prior)
+    # Without steps, all of the covariance is on the diagonal.
+    alone = prior if rank > 0 else models.metrics[TRIAL]
+    diagonal = np.empty(dim)
+    largest, smallest = alone[0, 0], alone[0, 0]
+    for i in range(dim):
+        diagonal[i] = alone[i, i]
+        largest, smallest = max(largest, alone[i, i]), min(smallest, alone[i, i])
     if rank > 0:
         largest, smallest = extreme_eigenvalues(models.metrics[TRIAL])
     added = ridge(largest, smallest, max_condition)
     vanishes = added < 0.0
     for i in range(dim):
-        diagonal[i] = 1.0 if vanishes else prior[i, i] + added
+        diagonal[i] = 1.0 if vanishes else diagonal[i] + added
         for row in range(rank if vanishes else 0):
             models.steps[TRIAL, row, i] = 0.0
     low_rank_metric(diagonal, models.steps[TRIAL, :rank], models.metrics[TRIAL])

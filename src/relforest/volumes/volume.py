@@ -7,8 +7,9 @@ import reprlib
 from relforest.support.errors import ModelFormatError
 from relforest.volumes.arc import Arc
 from relforest.volumes.ellipsoid import Ellipsoid
+from relforest.volumes.slab import Slab
 
-Volume = Ellipsoid | Arc
+Volume = Ellipsoid | Arc | Slab
 
 
 def volume_from_dict(document: object) -> Volume:
@@ -22,7 +23,7 @@ def volume_from_dict(document: object) -> Volume:
     if not isinstance(document, dict):
         msg = f"malformed volume: expected an object, got {type(document).__name__}"
         raise ModelFormatError(msg)
-    shapes: dict[str, type[Ellipsoid | Arc]] = {"ellipsoid": Ellipsoid, "arc": Arc}
+    shapes: dict[str, type[Volume]] = {"ellipsoid": Ellipsoid, "arc": Arc, "slab": Slab}
     shape = document.get("shape")
     if not isinstance(shape, str) or shape not in shapes:
         msg = f"unknown volume shape {reprlib.repr(shape)}: expected one of {', '.join(shapes)}"

@@ -13,6 +13,7 @@ from relforest.volumes.bag_layout import SlotMajor
 
 EUCLIDEAN: Final = 0
 CIRCLE: Final = 1
+DIAGONAL: Final = 2  # Euclidean, with matrices that are diagonal
 
 _TILE: Final = 64
 _TURN: Final = 2.0 * math.pi

@@ -51,7 +51,6 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     seed = stream(seed_sequence(place.seed), list(SCENES).index(setting.concept), setting.replicate)
     scenes, labels = draw_training[1](generator(stream(seed, _TRAINING)), setting.n_scenes)
     learner = SMRFTreeClassifier(
-        search="exhaustive",  # the source's
         alpha=setting.alpha,
         max_points=setting.max_points,
         random_state=stream(seed, _LEARNING),
