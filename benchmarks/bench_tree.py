@@ -10,8 +10,8 @@ from clock import median_seconds
 from peers import tree as twin
 from table import Cell, Table
 
+from relforest.forests.tree_features import width
 from relforest.mappings import Mapping
-from relforest.rl.features import width
 from relforest.rl.kernels import forest_values
 from relforest.rl.value import ValueFunction
 from relforest.scenes import Attribute, Scenes, Schema

@@ -48,6 +48,8 @@ def random_condition(rng: np.random.Generator, n_parameters: int) -> Condition:
     """A condition of any kind."""
     n_free = int(rng.integers(0 if n_parameters else 1, 3))
     statements = tuple(random_statement(rng, n_parameters + n_free) for _ in range(int(rng.integers(1, 4))))
+    if n_free == 2 and rng.random() < 0.3:
+        return Condition(n_free, statements, every=True)
     return Condition(n_free, statements, int(rng.integers(1, 4)) if n_free else 1)
 
 
@@ -95,8 +97,15 @@ def holds(condition: Condition, scenes: Scenes, scene: int) -> bool:
     """Whether a condition holds in a scene, by its definition."""
     bound = scenes.arguments[scene].tolist()
     free = [row for row in scenes.objects(scene).tolist() if row not in bound]
+    if condition.every:
+        pairs = [[(one, other) for other in free if other != one] for one in free]
+        found = [[_all_true(condition, scenes, (*bound, *pair)) for pair in own] for own in pairs]
+        return bool(free) and all(map(any, found))
     true = [
-        all(is_true(statement, scenes, (*bound, *chosen)) for statement in condition.statements)
-        for chosen in permutations(free, condition.n_free)
+        _all_true(condition, scenes, (*bound, *chosen)) for chosen in permutations(free, condition.n_free)
     ]
     return sum(true) >= condition.at_least
+
+
+def _all_true(condition: Condition, scenes: Scenes, rows: tuple[int, ...]) -> bool:
+    return all(is_true(statement, scenes, rows) for statement in condition.statements)

@@ -177,6 +177,12 @@ def _ensemble(folder: Path) -> None:
     write_model(folder / "boosting.json", Model(learned, "boosting", "completed", ("no", "yes"), columns))
 
 
+def _smrf_forest(folder: Path) -> None:
+    tree = five_questions()
+    learned = Ensemble(tree.schema, np.array([0.5]), (tree, tree), np.array([0.5, -0.5]))
+    write_model(folder / "forest.json", Model(learned, "forest", "", ("no", "yes"), None))
+
+
 def _use_ensemble(path: Path) -> None:
     model = read_model(path)
     assert model.text
@@ -185,6 +191,8 @@ def _use_ensemble(path: Path) -> None:
         rows, count = np.arange(3), np.array([3])
         scenes = Scenes(model.schema, matrix, rows, np.array([0]), count, np.array([[0]]))
         assert model.predictions(scenes, n_jobs=1).probability[0] >= 0.0
+    if model.schema == SCENES.schema:
+        assert (model.predictions(SCENES, n_jobs=1).probability >= 0.0).all()
 
 
 def _use_model(path: Path) -> None:
@@ -353,6 +361,9 @@ FORMATS: Final[Mapping[str, Format]] = {
     "model": Format(_model, {"model.json": _JSON}, lambda folder: _use_model(folder / "model.json"), 0.7),
     "ensemble": Format(
         _ensemble, {"boosting.json": _JSON}, lambda folder: _use_ensemble(folder / "boosting.json"), 0.7
+    ),
+    "smrf-forest": Format(
+        _smrf_forest, {"forest.json": _JSON}, lambda folder: _use_ensemble(folder / "forest.json"), 0.7
     ),
     "tree": Format(
         lambda folder: (folder / "tree.json").write_text(json.dumps(_six_questions().to_dict())),

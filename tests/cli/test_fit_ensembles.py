@@ -36,6 +36,29 @@ def test_an_ensemble_is_learned_told_and_applied(
     assert right >= 0.9 * N_SCENES
 
 
+def test_a_forest_of_smrf_trees_is_learned_told_and_applied(
+    run: CommandLine, table: Path, tmp_path: Path
+) -> None:
+    out, options = tmp_path / "model.json", ("--model", "smrf-forest", "--trees", "4", "--attempts", "1")
+    told = run("fit", table, *COLUMNS, "--label", "completed", *options, "--out", out)
+    model = read_model(out)
+    rows = list(csv.DictReader(io.StringIO(run("predict", out, table).out)))
+
+    assert told.code == 0
+    assert (model.kind, model.learned.weights.tolist()) == ("forest", [0.25, -0.25] * 2)  # type: ignore[union-attr]
+    assert told.out.startswith(f"{model.text}\n")
+    assert "extent" in told.out
+    assert run("show", out).out == f"{model.text}\n"
+    assert sum(row["predicted"] == str(i % 2 == 0) for i, row in enumerate(rows)) >= 0.9 * N_SCENES
+
+
+def test_questions_that_were_not_all_searched_are_told(run: CommandLine, table: Path, tmp_path: Path) -> None:
+    options = ("--model", "smrf-forest", "--trees", "2", "--max-points", "20", "--search", "exhaustive")
+    told = run("fit", table, *COLUMNS, "--label", "completed", *options, "--out", tmp_path / "model.json")
+
+    assert "possible questions of a tree were skipped because each has more than 20" in told.err
+
+
 def test_predictions_are_written_to_parquet(run: CommandLine, table: Path, tmp_path: Path) -> None:
     out = tmp_path / "model.json"
     run("fit", table, *COLUMNS, "--label", "completed", "--model", "forest", *SMALL["forest"], "--out", out)
@@ -70,8 +93,18 @@ def test_categories_are_learned_from_and_matched_by_name(run: CommandLine, tmp_p
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--model", "boosting", "--alpha", "0.01"), "--alpha is an option of --model tree, not of boosting"),
-        (("--trees", "5"), "--trees is an option of --model boosting, forest, rules, not of tree"),
+        (
+            ("--model", "boosting", "--alpha", "0.01"),
+            "--alpha is an option of --model tree, smrf-forest, not of",
+        ),
+        (
+            ("--trees", "5"),
+            "--trees is an option of --model boosting, forest, smrf-forest, rules, not of tree",
+        ),
+        (
+            ("--model", "smrf-forest", "--objects", "1"),
+            "--objects is an option of --model boosting, forest, rules, not of smrf-forest",
+        ),
         (("--model", "rules", "--objects", "3"), "max_free must be an integer from 0 to 2"),
         (("--model", "forest", "--trees", "0"), "trees must be an integer of at least 1"),
     ],

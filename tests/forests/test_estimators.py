@@ -354,6 +354,10 @@ def test_rules_share_their_gain() -> None:
     assert sum(each.share for each in model.importances()) == pytest.approx(1.0)
 
 
+def _counting_every(nodes: list[Any]) -> list[Any]:
+    return [{**nodes[0], "condition": {**nodes[0]["condition"], "at_least": 2, "every": True}}, *nodes[1:]]
+
+
 def test_damaged_documents_are_refused() -> None:
     scenes = scenes_of(np.random.default_rng(0), 40)
     model = SMRFForestClassifier(n_trees=2, random_state=0).fit(scenes, guest_on_the_left(scenes))
@@ -363,6 +367,7 @@ def test_damaged_documents_are_refused() -> None:
         {"weights": [1.0]},
         {"start": []},
         {"trees": 3},
+        {"trees": [_counting_every(document["trees"][0])], "weights": [1.0]},
         {"trees": [[{"value": [0.0, 1.0], "scenes": 3}]], "weights": [1.0]},
         {"trees": [[{**document["trees"][0][0], "yes": 1, "no": 1}]], "weights": [1.0]},
     )

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from forest_scenes import holds, random_condition, random_scenes
-from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
+from relforest.forests import Condition, Ensemble, GrowthSettings, SceneTree, Split, Value
 from relforest.scenes import Scenes
+from relforest.support.errors import InputError
 
 
 def tree_of(condition: Condition) -> SceneTree:
@@ -81,3 +82,21 @@ def test_scores_are_weighted_sums() -> None:
 
     assert np.array_equal(ensemble.scores(scenes)[:, 0], 0.5 + 2.25 * yes)
     assert np.array_equal(ensemble.scores(scenes)[:, 1], np.where(yes, 22.5, -22.5))
+
+
+def test_a_condition_on_every_object_survives_files() -> None:
+    rng = np.random.default_rng(3)
+    scenes = random_scenes(rng, 40, 1)
+    conditions = [each for each in (random_condition(rng, 1) for _ in range(60)) if each.every]
+    ensemble = ensemble_of(scenes, *map(tree_of, conditions))
+    read = Ensemble.from_dict(ensemble.to_dict())
+
+    assert read.conditions == tuple(conditions)
+    assert np.array_equal(read.leaves(scenes), ensemble.leaves(scenes))
+    path = ensemble.path(0, scenes.take([0]))
+    assert path[0][1] == holds(conditions[0], scenes, 0)
+
+
+def test_settings_of_every_object_are_checked() -> None:
+    with pytest.raises(InputError, match="every must be True or False"):
+        GrowthSettings(every=1)  # type: ignore[arg-type]

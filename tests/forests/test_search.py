@@ -14,6 +14,7 @@ from relforest.forests.bindings import bindings
 from relforest.forests.columns import columns
 from relforest.forests.growth import grow_tree
 from relforest.forests.kernels import Plan, Search, Targets, best_limit, order_scenes, work_space
+from relforest.forests.questions import condition_in_words
 from relforest.forests.rows import (
     AT_LEAST,
     AT_MOST,
@@ -69,15 +70,18 @@ def test_the_best_limit_is_that_of_brute_force(seed: int) -> None:
     assert np.array_equal(values <= limit, values <= best)
 
 
-@pytest.mark.parametrize(("n_parameters", "max_count"), [(0, 1), (1, 3), (2, 1)])
+@pytest.mark.parametrize(
+    ("n_parameters", "options"),
+    [(0, {}), (1, {"max_count": 3}), (2, {}), (0, {"every": True}), (1, {"every": True, "max_count": 2})],
+)
 def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
-    n_parameters: int, max_count: int
+    n_parameters: int, options: dict[str, Any]
 ) -> None:
     rng = np.random.default_rng(n_parameters)
     n = 40
     scenes = random_scenes(rng, n, n_parameters, 4)
     targets = Targets(rng.standard_normal((n, 1)), np.ones((n, 1)))
-    settings = GrowthSettings(max_leaves=5, max_count=max_count, penalty=2.0)
+    settings = GrowthSettings(max_leaves=5, penalty=2.0, **options)
     tables = condition_tables(scenes, 2, most=1000, rng=rng)
 
     grown = grow_tree(tables, np.arange(n), targets, settings, rng)
@@ -87,6 +91,7 @@ def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
     leaves = ensemble.leaves(scenes)[:, 0]
     assert np.array_equal(leaves, grown.leaves(np.arange(n)))
     assert len(tree.leaves) == 5
+    assert "every" in options or not any(split.condition.every for split in tree.splits)
     assert np.bincount(leaves).tolist() == [tree.nodes[leaf].n_scenes for leaf in tree.leaves]  # type: ignore[union-attr]
     assert np.bincount(leaves).min() >= settings.min_scenes
     for number, value in enumerate(tree.values[:, 0]):
@@ -160,6 +165,39 @@ def test_the_limit_of_a_category_separates_right_from_wrong() -> None:
     # 2^2 / 3 + 18^2 / 5 - 16^2 / 7.
     assert gain == pytest.approx(4 / 3 + 324 / 5 - 256 / 7)
     assert limit == 0.5
+
+
+def test_every_object_without_a_partner_is_found() -> None:
+    """Is every object within 2 of another one?"""
+    rng = np.random.default_rng(0)
+    counts = np.arange(60) % 5
+    starts = np.cumsum(counts) - counts
+    n = int(counts.sum())
+    schema = Schema([Attribute("weight", operations=["distance"])])
+    scenes = Scenes(schema, rng.uniform(0, 12, (n, 1)), np.arange(n), starts, counts)
+    wanted = np.zeros(60)
+    for scene in range(60):
+        weights = scenes.matrix[scenes.objects(scene), 0]
+        gaps = np.abs(weights[:, None] - weights) + 100 * np.eye(len(weights))
+        wanted[scene] = len(weights) > 0 and (gaps.min(axis=1) <= 2.0).all()
+    targets = Targets(0.5 - wanted[:, None], np.ones((60, 1)))
+    settings = GrowthSettings(max_leaves=2, max_statements=1, n_discs=0, every=True)
+    tables = condition_tables(scenes, 2, most=1000, rng=rng)
+    grown = [grow_tree(tables, np.arange(60), targets, settings, rng).tree for _ in range(8)]
+    best = max(grown, key=lambda tree: tree.splits[0].gain)
+    condition = best.splits[0].condition
+
+    assert condition.every
+    assert condition_in_words(condition, schema).startswith(
+        "every object C has another, D, such that D is within"
+    )
+    leaves = Ensemble(schema, np.zeros(1), (best,), np.ones(1)).leaves(scenes)[:, 0]
+    assert ((leaves == 0) == wanted).all()
+    # Where pairs are sampled, the partners of an object are not known.
+    some = condition_tables(scenes, 2, most=2, rng=rng)
+    for _ in range(8):
+        tree = grow_tree(some, np.arange(60), targets, settings, rng).tree
+        assert not any(split.condition.every for split in tree.splits)
 
 
 def test_columns_see_free_objects_from_the_arguments() -> None:

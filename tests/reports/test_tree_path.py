@@ -3,9 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relforest.reports.tree_path import introduced, path_in_words, tree_path, witness_names
+from relforest.reports.tree_path import path_in_words, tree_path, witness_names
 from relforest.support.errors import InputError
 from relforest.trees import Question
+from relforest.trees.text import introduced
 from reports.drawn_trees import chain, five_questions, one_question, scenes_of
 
 
@@ -47,7 +48,7 @@ def test_a_path_in_words_tells_every_answer() -> None:
 
 def test_questions_introduce_their_new_variables_but_no_arguments() -> None:
     tree = five_questions()
-    new = introduced(tree)
+    new = introduced(tree.schema, tree.nodes)
 
     assert list(new) == [i for i, node in enumerate(tree.nodes) if isinstance(node, Question)]
     # A is the passer; B is new at the root, and C at the question about colours.

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from relforest.forests.tree_features import width
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.experience import BoolArray, Experience
-from relforest.rl.features import forest_features, width
+from relforest.rl.features import forest_features
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.settings import FEATURE_MODES, FeatureMode

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from interpreted import compiled_only
+from relforest.forests.tree_features import width
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
-from relforest.rl.features import forest_features, width
+from relforest.rl.features import forest_features
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.settings import FEATURE_MODES, FeatureMode

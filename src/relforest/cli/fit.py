@@ -26,8 +26,12 @@ if TYPE_CHECKING:
     Learner = SMRFTreeClassifier | SMRFBoostingClassifier | SMRFForestClassifier | SMRFRuleSetClassifier
 
 _OF_TREES: Final = ("test", "search", "alpha", "attempts", "permutations", "max_points")
-_OF_ENSEMBLES: Final = ("trees", "objects")
-_ENSEMBLES: Final = ("boosting", "forest", "rules")
+_MODELS: Final = ("tree", "boosting", "forest", "smrf-forest", "rules")
+# Options of some kinds of models only, and these kinds.
+_OPTIONS: Final = dict.fromkeys(_OF_TREES, ("tree", "smrf-forest")) | {
+    "trees": _MODELS[1:],
+    "objects": ("boosting", "forest", "rules"),
+}
 _REMEDY: Final = "name its columns, such as --scene pass --object player --attribute location=x,y"
 
 
@@ -59,7 +63,8 @@ class FitOptions:
         Column of labels.
     model
         What to learn: a tree with tests of significance; boosting, a sum of small trees, the most accurate
-        on hundreds of scenes; a forest, the mean of larger trees; or rules, of which one must hold: the
+        on hundreds of scenes; a forest, the mean of larger trees; a forest of trees with tests of
+        significance (smrf-forest), half of them for the other class; or rules, of which one must hold: the
         shortest description, and the most accurate on a few dozen scenes.
     positive
         The label that the model explains, written as in the table; for example False to find the causes of
@@ -123,7 +128,7 @@ class FitOptions:
     decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
-    model: Literal["tree", "boosting", "forest", "rules"] = "tree"
+    model: Literal["tree", "boosting", "forest", "smrf-forest", "rules"] = "tree"
     trees: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     objects: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     test: Literal["likelihood-ratio", "permutation"] = "likelihood-ratio"
@@ -165,7 +170,8 @@ def fit(options: FitOptions) -> int:
     if isinstance(learner, SMRFTreeClassifier):
         points = question_points(learner.tree_, source.scenes, positive)
     learned = learner.tree_ if isinstance(learner, SMRFTreeClassifier) else learner.ensemble_
-    model = Model(learned, options.model, options.label, classes, source.columns, points)
+    kind = "forest" if options.model == "smrf-forest" else options.model
+    model = Model(learned, kind, options.label, classes, source.columns, points)
     score = peirce_skill_score(positive, learner.predict(source.scenes))
     print(model.text)
     print()
@@ -188,18 +194,21 @@ def _learner(options: FitOptions) -> Learner:
     from relforest.forests import GrowthSettings
     from relforest.forests.forest_estimators import FOREST_GROWTH
     from relforest.forests.rule_set_estimator import RULE_GROWTH
-    from relforest.trees import SMRFTreeClassifier
+    from relforest.trees import SMRFTreeClassifier, TreeSettings
 
-    given = {field.name for field in fields(options) if getattr(options, field.name) != field.default}
-    foreign = given & set(_OF_ENSEMBLES if options.model == "tree" else _OF_TREES)
-    if foreign:
-        name = min(foreign).replace("_", "-")
-        kinds = ", ".join(_ENSEMBLES) if options.model == "tree" else "tree"
-        raise InputError(f"--{name} is an option of --model {kinds}, not of {options.model}")
+    for field in fields(options):
+        kinds = _OPTIONS.get(field.name, _MODELS)
+        if options.model not in kinds and getattr(options, field.name) != field.default:
+            name = field.name.replace("_", "-")
+            raise InputError(f"--{name} is an option of --model {', '.join(kinds)}, not of {options.model}")
     seed, jobs = options.seed, options.jobs
+    chosen = {name: getattr(options, name) for name in _OF_TREES}
     if options.model == "tree":
-        chosen = {name: getattr(options, name) for name in _OF_TREES}
         return SMRFTreeClassifier(**chosen, random_state=seed, n_jobs=jobs)
+    if options.model == "smrf-forest":
+        trees = TreeSettings(**chosen)
+        n_trees = options.trees or 100
+        return SMRFForestClassifier(n_trees=n_trees, growth=trees, random_state=seed, n_jobs=jobs)
     defaults = {"boosting": GrowthSettings(), "forest": FOREST_GROWTH, "rules": RULE_GROWTH}
     growth = replace(defaults[options.model], max_free=options.objects)
     if options.model == "forest":
@@ -249,6 +258,8 @@ def _columns(options: FitOptions) -> Columns | None:
 def _comment(options: FitOptions, source: SceneTable, learner: Learner) -> None:
     if options.model == "tree":
         _comment_tree(options, source, cast("SMRFTreeClassifier", learner))
+    elif options.model == "smrf-forest":
+        _comment_search(options, cast("SMRFForestClassifier", learner), "of a tree ")
     elif learner.n_sampled_:
         note(
             f"in {learner.n_sampled_} scenes a sample of the possible pairs of objects was searched, because "
@@ -263,14 +274,20 @@ def _comment_tree(options: FitOptions, source: SceneTable, classifier: SMRFTreeC
             f"no question was significant at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so "
             "the tree is a single leaf"
         )
-    if classifier.n_sampled_:
+    _comment_search(options, classifier)
+
+
+def _comment_search(
+    options: FitOptions, learner: SMRFTreeClassifier | SMRFForestClassifier, of: str = ""
+) -> None:
+    if learner.n_sampled_:
         note(
-            f"{classifier.n_sampled_} possible questions were searched by a sample, because each has more "
-            f"than {classifier.max_points} instantiation sequences"
+            f"{learner.n_sampled_} possible questions {of}were searched by a sample, because each has more "
+            f"than {options.max_points} instantiation sequences"
         )
-    if classifier.n_left_out_:
+    if learner.n_left_out_:
         much = "" if options.search == "exhaustive" else "100 times "
         note(
-            f"{classifier.n_left_out_} possible questions were skipped because each has more than "
-            f"{much}{classifier.max_points} instantiation sequences: raise --max-points to include them"
+            f"{learner.n_left_out_} possible questions {of}were skipped because each has more than "
+            f"{much}{options.max_points} instantiation sequences: raise --max-points to include them"
         )

@@ -187,6 +187,8 @@ def read_model(path: Path) -> Model:
             ensemble = Ensemble.from_dict(document["ensemble"])
             between("the number of outputs", ensemble.n_outputs, 1, 1)
             kind = cast("Kind", one_of("kind", document["kind"], _ENSEMBLES))
+            if ensemble.is_smrf and kind != "forest":
+                raise InputError(f"a model of kind {kind!r} consists of trees of conditions")
             return Model(ensemble, kind, *_how_to_apply(document, ensemble.schema))
     tree = _tree(path, document.get("tree"))
     with well_formed(f"{path} is damaged", remedy):

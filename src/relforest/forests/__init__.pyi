@@ -5,6 +5,7 @@ from .explanations import Importance, Reason, ScoreExplanation
 from .forest_estimators import SMRFForestClassifier, SMRFForestRegressor
 from .rule_set_estimator import SMRFRuleSetClassifier
 from .rule_sets import RuleSetSettings
+from .scene_features import SceneFeatures
 from .scene_tree import SceneTree, Split, Value
 from .settings import GrowthSettings
 
@@ -20,6 +21,7 @@ __all__ = [
     "SMRFForestClassifier",
     "SMRFForestRegressor",
     "SMRFRuleSetClassifier",
+    "SceneFeatures",
     "SceneTree",
     "ScoreExplanation",
     "Split",

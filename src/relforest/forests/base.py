@@ -18,11 +18,10 @@ from relforest.forests.explanations import (
     importances,
 )
 from relforest.forests.settings import GrowthSettings
-from relforest.forests.tables import ConditionTable, condition_tables
+from relforest.forests.tables import ConditionTable, searched_tables
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
-from relforest.support.progress import report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -88,11 +87,7 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
         self, scenes: Scenes, settings: GrowthSettings, rng: np.random.Generator
     ) -> tuple[ConditionTable, ...]:
         """Return the tables of the training scenes, and remember how many scenes were sampled."""
-        max_free = settings.max_free
-        if max_free is None:
-            max_free = 1 if scenes.schema.n_parameters else 2
-        report("choices of objects listed", 0)
-        tables = condition_tables(scenes, max_free, most=settings.max_choices, rng=rng)
+        tables = searched_tables(scenes, settings, rng)
         self.n_sampled_: int = max((table.n_sampled for table in tables), default=0)
         return tables
 

@@ -33,11 +33,15 @@ class Condition:
         About the arguments and the free variables.
     at_least : int
         The number of choices that is required; 1 means "there is". Without free variables it is 1.
+    every : bool
+        With two free variables: whether there is a choice for every first object instead. Its negation is
+        that there is a first object without a second one. It does not hold where there is no first object.
     """
 
     n_free: int
     statements: tuple[Statement, ...]
     at_least: int = 1
+    every: bool = False
 
     @property
     def n_parameters(self) -> int:
@@ -50,7 +54,7 @@ class Condition:
             "free": self.n_free,
             "at_least": self.at_least,
             "statements": [statement_to_dict(statement) for statement in self.statements],
-        }
+        } | ({"every": True} if self.every else {})
 
     @classmethod
     def from_dict(cls, document: Any, schema: Schema) -> Condition:  # noqa: ANN401 - not checked yet
@@ -70,4 +74,7 @@ class Condition:
                 raise ModelFormatError(f"a condition has 1 to {MOST_STATEMENTS} statements")
             n_bound = schema.n_parameters + n_free
             statements = tuple(statement_from_dict(each, attributes, n_bound) for each in given)
-        return cls(n_free, statements, at_least)
+            every = document.get("every", False)
+            if every is not False and (every is not True or (n_free, at_least) != (2, 1)):
+                raise ModelFormatError("every is for conditions on two free variables that are not counted")
+        return cls(n_free, statements, at_least, every)

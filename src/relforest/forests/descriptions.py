@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from scipy.special import expit
 
-from relforest.forests.explanations import node_means
-from relforest.forests.scene_tree import Split, Value
-from relforest.forests.words import sentence
+from relforest.forests.questions import condition_in_words, question_in_words, questions
+from relforest.forests.scene_tree import Value
 from relforest.support.numerals import probability
+from relforest.trees.nodes import variable_name
 
 if TYPE_CHECKING:
     from relforest.forests.ensemble import Ensemble
+    from relforest.forests.scene_tree import SceneTree
 
 MOST_QUESTIONS: Final = 10
 """Questions that are told unless otherwise asked."""
@@ -37,20 +38,22 @@ def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
     """
     found = []
     for tree, weight in zip(ensemble.trees, ensemble.weights, strict=True):
-        means = node_means(tree)
-        for node in tree.nodes:
-            if isinstance(node, Split):
-                yes, no = (float(weight) * float(means[child][-1]) for child in (node.yes, node.no))
-                found.append((node.gain * abs(float(weight)), yes, no, node.condition))
+        for asked in questions(tree):
+            adds = (float(weight * asked.yes[-1]), float(weight * asked.no[-1]))
+            found.append((asked.gain * abs(float(weight)), *adds, tree, asked.node))
     found.sort(key=lambda each: -each[0])
     total = sum(gain for gain, *_ in found) or 1.0
     lines = [
-        f"{100 * gain / total:4.1f} %  {yes:+.3f} / {no:+.3f}  {sentence(condition, ensemble.schema)}"
-        for gain, yes, no, condition in found[:most]
+        f"{100 * gain / total:4.1f} %  {yes:+.3f} / {no:+.3f}  "
+        + question_in_words(tree, node, ensemble.schema)
+        for gain, yes, no, tree, node in found[:most]
     ]
-    n, asked = len(ensemble.trees), len(found)
-    title = f"Score of {of}: the sum of {n} {'tree' if n == 1 else 'trees'} with {asked} questions"
+    n = len(ensemble.trees)
+    title = f"Score of {of}: the sum of {n} {'tree' if n == 1 else 'trees'} with {len(found)} questions"
     told = f"The {len(lines)} that gain most: share of the gain, what a yes / a no adds, question"
+    if ensemble.is_smrf and ensemble.schema.parameters:
+        names = (f"{variable_name(i)} is the {name}" for i, name in enumerate(ensemble.schema.parameters))
+        told += f"; {', '.join(names)}"
     return "\n".join([title, told, *lines] if lines else [title])
 
 
@@ -67,10 +70,10 @@ def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
     most : int
         Number of rules.
     """
-    best = ensemble.trees[0]
+    best = cast("SceneTree", ensemble.trees[0])
     *held, other = (node for node in best.nodes if isinstance(node, Value))
     lines = [
-        f"    {_outcome(leaf)}  if {sentence(split.condition, ensemble.schema)}"
+        f"    {_outcome(leaf)}  if {condition_in_words(split.condition, ensemble.schema)}"
         for split, leaf in zip(best.splits[:most], held, strict=False)
     ]
     title = f"Probability of {of}, by the first rule that holds"

@@ -1,11 +1,11 @@
-"""A sum of trees of conditions: what forests, boosting and rule sets learn."""
+"""A sum of trees: what forests, boosting and rule sets learn."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from threading import Event
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, cast, final
 
 import numpy as np
 
@@ -18,8 +18,13 @@ from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import check_document
 from relforest.support.options import between, in_range
 from relforest.support.parallel import checked_jobs
+from relforest.trees import Tree, query
+from relforest.trees.tree import FORMAT as TREE_FORMAT
+from relforest.trees.tree import VERSION as TREE_VERSION
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from relforest.forests.conditions import Condition
@@ -32,6 +37,27 @@ _MOST_OUTPUTS: Final = 1000
 _BATCH: Final = 200
 
 
+def in_batches(evaluate: Callable[[int, int], None], n: int, n_jobs: int) -> None:
+    """Call ``evaluate(begin, end)`` for parts of n scenes, in `n_jobs` threads that can be interrupted."""
+    interrupted = Event()
+
+    def part(begin: int) -> None:
+        if not interrupted.is_set():
+            evaluate(begin, min(begin + _BATCH, n))
+
+    batches = range(0, n, _BATCH)
+    if n_jobs == 1:
+        for begin in batches:
+            part(begin)
+        return
+    with ThreadPoolExecutor(n_jobs) as pool:
+        try:
+            list(pool.map(part, batches))
+        finally:
+            # Leaving the ``with`` block waits for all threads.
+            interrupted.set()
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Ensemble:
@@ -41,8 +67,10 @@ class Ensemble:
     ----------
     schema : Schema
     start : ndarray (n_outputs,)
-    trees : tuple of SceneTree
+    trees : tuple of SceneTree, or of Tree
+        Trees of conditions, or SMRF trees.
     weights : ndarray (n_trees,)
+        Of a SMRF tree for negated labels, the weight is negative, and `start` makes up for it.
 
     Raises
     ------
@@ -52,19 +80,33 @@ class Ensemble:
 
     schema: Schema
     start: NDArray[np.float64]
-    trees: tuple[SceneTree, ...]
+    trees: tuple[SceneTree | Tree, ...]
     weights: NDArray[np.float64]
     packed: Packed = field(init=False)
-    """The trees as arrays, for kernels."""
+    """The trees of conditions as arrays, for kernels."""
     conditions: tuple[Condition, ...] = field(init=False)
-    """The questions of all trees, one tree after the other."""
+    """The questions of all trees of conditions, one tree after the other."""
 
     def __post_init__(self) -> None:
         if len(self.weights) != len(self.trees):
             raise ModelFormatError(f"{len(self.trees)} trees have {len(self.weights)} weights")
-        asked = tuple(split.condition for tree in self.trees for split in tree.splits)
-        object.__setattr__(self, "packed", pack(self.schema, self.trees))
+        scene_trees = tuple(tree for tree in self.trees if isinstance(tree, SceneTree))
+        if len(scene_trees) not in {0, len(self.trees)}:
+            raise ModelFormatError("the trees of an ensemble must be of one kind")
+        if any(isinstance(tree, Tree) and tree.schema != self.schema for tree in self.trees):
+            raise ModelFormatError("the trees of an ensemble must have its schema")
+        if any(tree.values.shape[1] != len(self.start) for tree in self.trees):
+            raise ModelFormatError(
+                f"every leaf needs {len(self.start)} numbers, as many as there are outputs"
+            )
+        asked = tuple(split.condition for tree in scene_trees for split in tree.splits)
+        object.__setattr__(self, "packed", pack(self.schema, scene_trees))
         object.__setattr__(self, "conditions", asked)
+
+    @property
+    def is_smrf(self) -> bool:
+        """Whether its trees are SMRF trees."""
+        return bool(self.trees) and isinstance(self.trees[0], Tree)
 
     @property
     def n_outputs(self) -> int:
@@ -91,24 +133,16 @@ class Ensemble:
         scenes = scenes.recoded(self.schema)
         n_jobs = checked_jobs(n_jobs)
         out = np.empty((len(scenes), len(self.trees)), dtype=np.int32)
+        if self.is_smrf:
+            for number, tree in enumerate(self.trees):
+                out[:, number] = query(cast("Tree", tree), scenes, n_jobs=n_jobs).leaf
+            return out
         columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
-        interrupted = Event()
 
-        def evaluate(begin: int) -> None:
-            if not interrupted.is_set():
-                end = min(begin + _BATCH, len(scenes))
-                leaves(self.packed, scenes.matrix, columns, begin, end, out)
+        def evaluate(begin: int, end: int) -> None:
+            leaves(self.packed, scenes.matrix, columns, begin, end, out)
 
-        batches = range(0, len(scenes), _BATCH)
-        if n_jobs == 1:
-            for begin in batches:
-                evaluate(begin)
-        else:
-            with ThreadPoolExecutor(n_jobs) as pool:
-                try:
-                    list(pool.map(evaluate, batches))
-                finally:
-                    interrupted.set()
+        in_batches(evaluate, len(scenes), n_jobs)
         return out
 
     def scores(self, scenes: Scenes, *, n_jobs: int = 1) -> NDArray[np.float64]:
@@ -121,7 +155,7 @@ class Ensemble:
         return total
 
     def path(self, tree: int, scene: Scenes) -> list[tuple[Condition, bool, NDArray[np.int64]]]:
-        """Return the questions that a single scene meets in one tree.
+        """Return the questions that a single scene meets in one tree of conditions.
 
         Returns
         -------
@@ -151,7 +185,10 @@ class Ensemble:
             "schema": self.schema.to_dict(),
             "start": self.start.tolist(),
             "weights": self.weights.tolist(),
-            "trees": [tree.to_dict() for tree in self.trees],
+            "trees": [
+                tree.to_dict() if isinstance(tree, SceneTree) else {"nodes": tree.to_dict()["nodes"]}
+                for tree in self.trees
+            ],
         }
 
     @classmethod
@@ -173,5 +210,10 @@ class Ensemble:
             between("the number of outputs", len(start), 1, _MOST_OUTPUTS)
             if not isinstance(checked["trees"], list):
                 raise InputError("trees must be a list")
-            trees = tuple(SceneTree.from_dict(each, schema, len(start)) for each in checked["trees"])
+            given = checked["trees"]
+            if given and isinstance(given[0], dict):
+                frame = {"format": TREE_FORMAT, "version": TREE_VERSION, "schema": checked["schema"]}
+                smrf = tuple(Tree.from_dict(frame | {"nodes": each["nodes"]}) for each in given)
+                return cls(schema, start, smrf, weights)
+            trees = tuple(SceneTree.from_dict(each, schema, len(start)) for each in given)
             return cls(schema, start, trees, weights)

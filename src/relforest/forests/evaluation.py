@@ -39,29 +39,33 @@ if TYPE_CHECKING:
 
 
 @inlined
-def _is_true(
+def excess(
     packed: Packed,
     statement: int,
     matrix: NDArray[np.float64],
     bound: NDArray[np.int64],
     point: NDArray[np.float64],
-) -> bool:
-    """Whether a statement is true of the bound object rows; `point` (1, d) is space for its mapping."""
+) -> float:
+    """By how much a statement about the bound object rows fails: it is true if this is at most 0.
+
+    For `Bound` in the units of the mapping, for `Near` the sum of squares less 1, for `Is` 1 or -1; NaN if
+    the mapping is undefined. `point` (1, d) is space for its value.
+    """
     row, numbers = packed.statements[statement], packed.numbers[statement]
     a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
     objects = (bound[a], bound[b] if b >= 0 else -1, bound[c] if c >= 0 else -1)
     span = (row[FIRST], row[DIM])
-    result = False
+    result = np.nan
     if map_point(row[OPERATION], row[CIRCULAR] == 1, span, matrix, objects, point, 0):
         kind, x = row[TEST], point[0, row[COMPONENT]]
         if kind == AT_MOST:
-            result = x <= numbers[0]
+            result = x - numbers[0]
         elif kind == AT_LEAST:
-            result = x >= numbers[0]
+            result = numbers[0] - x
         elif kind == SMALL:
-            result = abs(x) <= numbers[0]
+            result = abs(x) - numbers[0]
         elif kind == LARGE:
-            result = abs(x) >= numbers[0]
+            result = numbers[0] - abs(x)
         elif kind == NEAR:
             squared = 0.0
             for i in range(row[N_COMPONENTS]):
@@ -70,10 +74,10 @@ def _is_true(
                     away = wrap_angle(away)
                 away /= numbers[2 + i]
                 squared += away * away
-            result = squared <= 1.0
+            result = squared - 1.0
         else:
-            result = (x == numbers[0]) == (kind == IS)
-    return bool(result)
+            result = -1.0 if (x == numbers[0]) == (kind == IS) else 1.0
+    return float(result)
 
 
 @kernel
@@ -85,13 +89,14 @@ def _all_true(
     point: NDArray[np.float64],
 ) -> bool:
     for statement in range(packed.conditions[condition, BEGIN], packed.conditions[condition, END]):
-        if not _is_true(packed, statement, matrix, bound, point):
+        if not excess(packed, statement, matrix, bound, point) <= 0.0:
             return False
     return True
 
 
 @kernel
-def _is_argument(row: int, arguments: NDArray[np.int64]) -> bool:
+def is_argument(row: int, arguments: NDArray[np.int64]) -> bool:
+    """Whether an object row is one of the action's arguments."""
     found = False
     for argument in arguments:
         found |= argument == row
@@ -111,7 +116,8 @@ def condition_holds(
     """Whether a condition holds in a scene; `bound` (n_arguments + 2,) is the choice that decided.
 
     `objects` and `arguments` are rows of `matrix`. Choices are tried in the order of the objects, and the
-    search ends with the one that completes the required number.
+    search ends with the one that completes the required number, or for every first object, with the first
+    that has no second one.
     """
     n_arguments = len(arguments)
     n_free, needed = packed.conditions[condition, N_FREE], packed.conditions[condition, COUNT]
@@ -119,23 +125,29 @@ def condition_holds(
     bound[n_arguments:] = -1
     if n_free == 0:
         return _all_true(packed, condition, matrix, bound, point)
-    found = 0
+    found, needs_every = 0, needed == 0
     for first in objects:
-        if _is_argument(first, arguments):
+        if is_argument(first, arguments):
             continue
         bound[n_arguments] = first
+        if needs_every:
+            if found < needed:
+                return False
+            needed += 1
         if n_free == 1:
             found += _all_true(packed, condition, matrix, bound, point)
             if found >= needed:
                 return True
             continue
         for second in objects:
-            if second != first and not _is_argument(second, arguments):
+            if second != first and not is_argument(second, arguments):
                 bound[n_arguments + 1] = second
                 found += _all_true(packed, condition, matrix, bound, point)
                 if found >= needed:
+                    if needs_every:
+                        break
                     return True
-    return False
+    return bool(needs_every and 0 < needed <= found)
 
 
 @kernel

@@ -106,6 +106,7 @@ def grow_tree(
         settings.share,
         settings.penalty,
         settings.pair_gain,
+        settings.every,
     )
 
     def opened(node: int, here: NDArray[np.int64]) -> _Open:
@@ -154,12 +155,14 @@ def _best_question(
         work = work_space(table, scenes, targets.gradients.shape[1])
         # Pairs have many more questions, the best of which gains more by chance.
         factor = plan.pair_gain if each.n_free > 1 else 1.0
+        # Of a sample of the pairs, the objects without a partner are not known.
+        tried = plan._replace(every=plan.every and each.n_free == 2 and each.n_sampled == 0)
         kinds = [-1]
         if each.n_free and table.firsts[1]:
             kinds.append(int(rng.integers(table.firsts[1])))
         for kind in kinds:
             statements = np.zeros((plan.most_statements, N_NUMBERS))
-            gain, n, at_least = best_condition(table, scenes, targets, plan, rng, statements, work, kind)
+            gain, n, at_least = best_condition(table, scenes, targets, tried, rng, statements, work, kind)
             if factor * gain > most:
                 best, most = _Question(each, statements[:n].copy(), at_least, gain), factor * gain
     return best

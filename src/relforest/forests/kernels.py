@@ -9,6 +9,7 @@ import numpy as np
 
 from relforest.forests.rows import (
     CENTRE,
+    EVERY,
     FIRST,
     IS,
     KIND,
@@ -46,6 +47,7 @@ class Plan(NamedTuple):
     share: float
     penalty: float  # lambda, added to the sum of curvatures
     pair_gain: float
+    every: bool = False
 
 
 class Search(NamedTuple):
@@ -285,6 +287,8 @@ def best_condition(
     at_least = 1
     if plan.most_counted > 1 and rng.random() < 0.4:
         at_least = 1 + int(rng.random() * plan.most_counted)
+    if plan.every and rng.random() < 0.4:
+        at_least = EVERY
     gain, n = 0.0, 0
     allow_all(table, scenes, work.inside)
     if kind >= 0:

@@ -37,7 +37,7 @@ IS_NOT: Final = 6
 BEGIN: Final = 0  # first statement
 END: Final = 1
 N_FREE: Final = 2
-COUNT: Final = 3
+COUNT: Final = 3  # 0 = one for every first object
 
 # Columns of `Packed.nodes`.
 CONDITION: Final = 0  # -1 = leaf
@@ -78,7 +78,7 @@ def pack(schema: Schema, trees: tuple[SceneTree, ...]) -> Packed:
                 numbers.append(values)
             asked: Condition = node.condition
             nodes.append((len(conditions), root + node.yes, root + node.no, -1))
-            conditions.append((begin, len(statements), asked.n_free, asked.at_least))
+            conditions.append((begin, len(statements), asked.n_free, 0 if asked.every else asked.at_least))
     return Packed(
         np.array(statements, dtype=np.int64).reshape(-1, 10),
         np.array(numbers, dtype=np.float64).reshape(-1, 4),

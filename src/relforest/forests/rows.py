@@ -30,6 +30,9 @@ NEAR_ANGLE: Final = 5
 IS: Final = 6
 IS_NOT: Final = 7
 
+# Instead of a number of choices: one for every first of two free objects.
+EVERY: Final = 0
+
 _TURN: Final = 2.0 * math.pi
 
 
@@ -116,6 +119,12 @@ def restrict(table: Table, statement: NDArray[np.float64], allowed: Choices) -> 
         allowed.starts[i + 1] = n
 
 
+@inlined
+def n_second_objects(n_choices: int) -> int:
+    """How many choices of two objects begin with the same one, if there are n (n - 1) of n objects."""
+    return int(math.sqrt(n_choices))
+
+
 @kernel
 def least_values(
     table: Table,
@@ -125,7 +134,13 @@ def least_values(
     at_least: int,
     least: NDArray[np.float64],
 ) -> None:
-    """Write each scene's `at_least`-th smallest value of the allowed choices, infinite if there are fewer."""
+    """Write each scene's `at_least`-th smallest value of the allowed choices, infinite if there are fewer.
+
+    For `EVERY`, it is the largest of the smallest values of each first object.
+    """
+    if at_least == EVERY:
+        _largest_of_least(table, scenes, allowed, statement, least)
+        return
     smallest = np.empty(at_least)
     for i in range(len(scenes)):
         smallest[:] = np.inf
@@ -141,6 +156,29 @@ def least_values(
 
 
 @kernel
+def _largest_of_least(
+    table: Table,
+    scenes: NDArray[np.int64],
+    allowed: Choices,
+    statement: NDArray[np.float64],
+    least: NDArray[np.float64],
+) -> None:
+    for i in range(len(scenes)):
+        begin, end = table.starts[scenes[i]], table.starts[scenes[i] + 1]
+        n_seconds, place = n_second_objects(end - begin), allowed.starts[i]
+        largest = -np.inf if begin < end else np.inf
+        for first in range(begin, end, max(n_seconds, 1)):
+            nearest = np.inf
+            while place < allowed.starts[i + 1] and allowed.rows[place] < first + n_seconds:
+                x = value(table.values, allowed.rows[place], statement)
+                if x < nearest:  # noqa: PLR1730 - min() may return NaN
+                    nearest = x
+                place += 1
+            largest = max(largest, nearest)
+        least[scenes[i]] = largest
+
+
+@kernel
 def holds(
     table: Table,
     scenes: NDArray[np.int64],
@@ -148,16 +186,20 @@ def holds(
     at_least: int,
     out: NDArray[np.bool_],
 ) -> None:
-    """Write for which scenes at least so many choices make all statements (n, N_NUMBERS) true."""
+    """Write for which scenes so many choices, or `EVERY`, make all statements (n, N_NUMBERS) true."""
     for i in range(len(scenes)):
-        n = 0
-        for choice in range(table.starts[scenes[i]], table.starts[scenes[i] + 1]):
-            is_true = True
-            for j in range(len(statements)):
-                if not value(table.values, choice, statements[j]) <= statements[j, LIMIT]:
-                    is_true = False
-                    break
-            n += is_true
-            if n >= at_least:
-                break
-        out[i] = n >= at_least
+        begin, end = table.starts[scenes[i]], table.starts[scenes[i] + 1]
+        size = n_second_objects(end - begin) if at_least == EVERY else end - begin
+        needed = 1 if at_least == EVERY else at_least
+        out[i] = begin < end
+        for first in range(begin, end, max(size, 1)):
+            n, choice = 0, first
+            while n < needed and choice < first + size:
+                is_true = True
+                for j in range(len(statements)):
+                    if not value(table.values, choice, statements[j]) <= statements[j, LIMIT]:
+                        is_true = False
+                        break
+                n += is_true
+                choice += 1
+            out[i] &= n >= needed

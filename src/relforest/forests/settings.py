@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 from relforest.forests.conditions import MOST_FREE, MOST_STATEMENTS
+from relforest.support.errors import InputError
 from relforest.support.options import at_least, between, in_range
 
 
@@ -24,6 +25,8 @@ class GrowthSettings:
         Most free variables, up to 2; None for 2 without arguments, 1 with arguments.
     max_count : int
         Conditions may ask for at least so many objects.
+    every : bool
+        Whether conditions on two free objects may ask for every first one whether there is a second one.
     first_share : float
         Share of the half-lines tried for the first statement of a condition, at random.
     share : float
@@ -57,6 +60,7 @@ class GrowthSettings:
     penalty: float = 1.0
     pair_gain: float = 0.7
     max_choices: int = 1000
+    every: bool = False
 
     def __post_init__(self) -> None:
         at_least("max_leaves", self.max_leaves, 2)
@@ -71,3 +75,5 @@ class GrowthSettings:
         in_range("penalty", self.penalty, 0.0, 1e9, open_low=True)
         in_range("pair_gain", self.pair_gain, 0.0, 1.0, open_low=True)
         at_least("max_choices", self.max_choices, 1)
+        if not isinstance(self.every, bool):
+            raise InputError(f"every must be True or False, got {self.every!r}")

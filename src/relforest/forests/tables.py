@@ -14,6 +14,7 @@ from relforest.forests.rows import (
     AT_LEAST,
     AT_MOST,
     CENTRE,
+    EVERY,
     FIRST,
     IS,
     IS_NOT,
@@ -29,10 +30,12 @@ from relforest.forests.rows import (
     holds,
 )
 from relforest.forests.statements import Bound, Is, Near, Statement, Test, is_category
+from relforest.support.progress import report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from relforest.forests.settings import GrowthSettings
     from relforest.scenes import Scenes
 
 # Components that can have either sign with the same meaning on both sides.
@@ -61,7 +64,8 @@ class ConditionTable:
 
     def condition(self, numbers: NDArray[np.float64], at_least: int) -> Condition:
         """Return the condition that a search found, from the rows of its statements."""
-        return Condition(self.n_free, tuple(map(self._statement, numbers)), at_least)
+        statements = tuple(map(self._statement, numbers))
+        return Condition(self.n_free, statements, max(at_least, 1), every=at_least == EVERY)
 
     def holds(
         self, numbers: NDArray[np.float64], at_least: int, scenes: NDArray[np.int64]
@@ -104,6 +108,17 @@ def condition_tables(
             if table.firsts.any():
                 tables.append(ConditionTable(n_free, found, table, n_sampled))
     return tuple(tables)
+
+
+def searched_tables(
+    scenes: Scenes, settings: GrowthSettings, rng: np.random.Generator
+) -> tuple[ConditionTable, ...]:
+    """Return the tables that trees with these settings are grown from."""
+    max_free = settings.max_free
+    if max_free is None:
+        max_free = 1 if scenes.schema.n_parameters else 2
+    report("choices of objects listed", 0)
+    return condition_tables(scenes, max_free, most=settings.max_choices, rng=rng)
 
 
 def _table(

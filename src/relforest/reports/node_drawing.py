@@ -15,10 +15,10 @@ from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
 from relforest.reports.style import BLUE, GREY, INK, PAPER, mixed, probability_color
 from relforest.reports.text_size import line_height, shortened, text_width, wrapped
 from relforest.reports.tree_layout import Box, Layout, Size
-from relforest.reports.tree_path import TreePath, introduced
+from relforest.reports.tree_path import TreePath
 from relforest.trees import Instantiation, Question, Tree
 from relforest.trees.nodes import ANSWERS, AnyLeaf, Leaf, Node, variable_name
-from relforest.trees.text import sentence
+from relforest.trees.text import introduced, sentence
 
 _QUESTION_WIDTH: Final = 2.5
 _LEAF_WIDTH: Final = 0.95
@@ -51,7 +51,7 @@ def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) 
     path : TreePath, optional
         If given, its instantiations show the bound objects.
     """
-    new = introduced(tree)
+    new = introduced(tree.schema, tree.nodes)
     texts = []
     for index, node in enumerate(tree.nodes):
         if isinstance(node, Question):

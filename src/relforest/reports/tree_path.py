@@ -13,7 +13,7 @@ from relforest.scenes.ids import plain
 from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Question, Tree, query
 from relforest.trees.nodes import ANSWERS, AnyLeaf, children, variable_name
-from relforest.trees.text import fresh_variables, sentence
+from relforest.trees.text import introduced, sentence
 
 
 @final
@@ -76,18 +76,6 @@ def tree_path(tree: Tree, scene: Scenes) -> TreePath:
     return TreePath(plain(scene.scene_ids[0]), leaf, nodes, witnesses, points, says)
 
 
-def introduced(tree: Tree) -> dict[int, tuple[int, ...]]:
-    """Return, for each question, its new variables that range over objects."""
-    new: dict[int, tuple[int, ...]] = {}
-    run = [0] * len(tree.nodes)
-    for index, node in enumerate(tree.nodes):
-        if isinstance(node, Instantiation):
-            run[node.child] = run[index] + 1
-        elif isinstance(node, Question):
-            new[index] = fresh_variables(tree.schema, tree.n_bound[index] - run[index], run[index])
-    return new
-
-
 def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
     """Return the variables bound on a path as text, such as ``("A (passer) = p3", "B = p7")``."""
     parameters = tree.schema.parameters
@@ -102,7 +90,7 @@ def witness_names(tree: Tree, path: TreePath) -> tuple[str, ...]:
 
 def path_in_words(tree: Tree, path: TreePath) -> str:
     """Describe the path of a scene: the objects, each question and its answer, and the deciding leaf."""
-    new = introduced(tree)
+    new = introduced(tree.schema, tree.nodes)
     lines = [f"scene {path.scene_id}: {path.says}, leaf {path.leaf}"]
     lines += [f"    {name}" for name in witness_names(tree, path)]
     for place, index in enumerate(path.nodes):

@@ -13,9 +13,10 @@ from typing import final
 
 import numpy as np
 
+from relforest.forests.tree_features import tree_features
 from relforest.rl.bellman import error_labels, look_ahead
 from relforest.rl.experience import BoolArray
-from relforest.rl.features import forest_features, tree_features
+from relforest.rl.features import forest_features
 from relforest.rl.lspi import LSPIResult, lspi
 from relforest.rl.samples import Samples
 from relforest.rl.selection import Fit, fit_of, select

@@ -12,7 +12,8 @@ from typing import final
 
 import numpy as np
 
-from relforest.rl.features import forest_features, leaf_widths, width
+from relforest.forests.tree_features import leaf_widths, width
+from relforest.rl.features import forest_features
 from relforest.rl.kernels import ForestArrays, forest_values
 from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.scenes import Scenes, Schema

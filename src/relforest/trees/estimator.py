@@ -256,8 +256,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         """Probability of each class, shape (n_scenes, n_classes)."""
         leaf = self.apply(scenes)
         if len(self.classes_) > 2:
-            nodes = (self.tree_.nodes[i] for i in self.tree_.leaves)
-            return np.array([node.shares for node in nodes if isinstance(node, ClassLeaf)])[leaf]
+            return self.tree_.values[leaf]
         positive = self.tree_.leaf_probabilities[leaf]
         return np.column_stack([1.0 - positive, positive])
 

@@ -118,6 +118,20 @@ def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
     )
 
 
+def introduced(schema: Schema, nodes: tuple[Node, ...]) -> dict[int, tuple[int, ...]]:
+    """Return, for the index of each question, its new variables that range over objects."""
+    new: dict[int, tuple[int, ...]] = {}
+    bound, run = [0] * len(nodes), [0] * len(nodes)
+    for index, node in enumerate(nodes):
+        if isinstance(node, Instantiation):
+            bound[node.child], run[node.child] = bound[index] + 1, run[index] + 1
+        elif isinstance(node, Question):
+            new[index] = fresh_variables(schema, bound[index] - run[index], run[index])
+            for child in (node.yes, node.no, node.error):
+                bound[child] = bound[index]
+    return new
+
+
 def fresh_variables(schema: Schema, n_bound: int, n_new: int) -> tuple[int, ...]:
     """Return the newly bound variables that are not action arguments."""
     return tuple(range(max(n_bound, schema.n_parameters), n_bound + n_new))

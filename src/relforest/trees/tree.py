@@ -108,6 +108,12 @@ class Tree:
         """What each leaf predicts: its probability, or for real targets the mean, (n_leaves,)."""
         return np.array([node.prediction for node in self.nodes if isinstance(node, AnyLeaf)])
 
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """What each leaf predicts, (n_leaves, 1), or the shares of several classes (n_leaves, n_classes)."""
+        shares = [node.shares for node in self.nodes if isinstance(node, ClassLeaf)]
+        return np.array(shares) if shares else self.leaf_predictions[:, None]
+
     def with_leaves(self, leaves: Sequence[AnyLeaf]) -> Tree:
         """Return the same tree with other leaves, given in leaf order."""
         nodes = list(self.nodes)
