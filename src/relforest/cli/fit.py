@@ -206,8 +206,9 @@ def _learner(options: FitOptions) -> Learner:
     if options.model == "tree":
         return SMRFTreeClassifier(**chosen, random_state=seed, n_jobs=jobs)
     if options.model == "smrf-forest":
-        n_trees, settings = options.trees or 100, TreeSettings(**chosen)
-        return SMRFForestClassifier(n_trees=n_trees, growth=settings, random_state=seed, n_jobs=jobs)
+        trees = TreeSettings(**chosen)
+        n_trees = options.trees or 100
+        return SMRFForestClassifier(n_trees=n_trees, growth=trees, random_state=seed, n_jobs=jobs)
     defaults = {"boosting": GrowthSettings(), "forest": FOREST_GROWTH, "rules": RULE_GROWTH}
     growth = replace(defaults[options.model], max_free=options.objects)
     if options.model == "forest":

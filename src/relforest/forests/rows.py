@@ -139,19 +139,7 @@ def least_values(
     For `EVERY`, it is the largest of the smallest values of each first object.
     """
     if at_least == EVERY:
-        for i in range(len(scenes)):
-            first, end = table.starts[scenes[i]], table.starts[scenes[i] + 1]
-            place, n_seconds, farthest = allowed.starts[i], n_second_objects(end - first), -np.inf
-            while first < end:
-                first += n_seconds
-                nearest = np.inf
-                while place < allowed.starts[i + 1] and allowed.rows[place] < first:
-                    x = value(table.values, allowed.rows[place], statement)
-                    if x < nearest:  # noqa: PLR1730 - min() may return NaN
-                        nearest = x
-                    place += 1
-                farthest = max(farthest, nearest)
-            least[scenes[i]] = farthest if farthest > -np.inf else np.inf
+        _largest_of_least(table, scenes, allowed, statement, least)
         return
     smallest = np.empty(at_least)
     for i in range(len(scenes)):
@@ -165,6 +153,29 @@ def least_values(
                     rank -= 1
                 smallest[rank] = x
         least[scenes[i]] = smallest[at_least - 1]
+
+
+@kernel
+def _largest_of_least(
+    table: Table,
+    scenes: NDArray[np.int64],
+    allowed: Choices,
+    statement: NDArray[np.float64],
+    least: NDArray[np.float64],
+) -> None:
+    for i in range(len(scenes)):
+        begin, end = table.starts[scenes[i]], table.starts[scenes[i] + 1]
+        n_seconds, place = n_second_objects(end - begin), allowed.starts[i]
+        largest = -np.inf if begin < end else np.inf
+        for first in range(begin, end, max(n_seconds, 1)):
+            nearest = np.inf
+            while place < allowed.starts[i + 1] and allowed.rows[place] < first + n_seconds:
+                x = value(table.values, allowed.rows[place], statement)
+                if x < nearest:  # noqa: PLR1730 - min() may return NaN
+                    nearest = x
+                place += 1
+            largest = max(largest, nearest)
+        least[scenes[i]] = largest
 
 
 @kernel
