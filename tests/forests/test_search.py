@@ -14,7 +14,6 @@ from relforest.forests.bindings import bindings
 from relforest.forests.columns import columns
 from relforest.forests.growth import grow_tree
 from relforest.forests.kernels import Plan, Search, Targets, best_limit, order_scenes, work_space
-from relforest.forests.questions import condition_in_words
 from relforest.forests.rows import (
     AT_LEAST,
     AT_MOST,
@@ -26,6 +25,7 @@ from relforest.forests.rows import (
     restrict,
 )
 from relforest.forests.tables import condition_tables
+from relforest.forests.words import sentence
 from relforest.scenes import Attribute, Scenes, Schema
 
 
@@ -188,9 +188,7 @@ def test_every_object_without_a_partner_is_found() -> None:
     condition = best.splits[0].condition
 
     assert condition.every
-    assert condition_in_words(condition, schema).startswith(
-        "every object C has another, D, such that D is within"
-    )
+    assert sentence(condition, schema).startswith("every object C has another, D, such that D is within")
     leaves = Ensemble(schema, np.zeros(1), (best,), np.ones(1)).leaves(scenes)[:, 0]
     assert ((leaves == 0) == wanted).all()
     # Where pairs are sampled, the partners of an object are not known.

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Final, cast
 
 from scipy.special import expit
 
-from relforest.forests.questions import condition_in_words, question_in_words, questions
+from relforest.forests.questions import question_in_words, questions
 from relforest.forests.scene_tree import Value
+from relforest.forests.words import sentence
 from relforest.support.numerals import probability
 from relforest.trees.nodes import variable_name
 
@@ -73,7 +74,7 @@ def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
     best = cast("SceneTree", ensemble.trees[0])
     *held, other = (node for node in best.nodes if isinstance(node, Value))
     lines = [
-        f"    {_outcome(leaf)}  if {condition_in_words(split.condition, ensemble.schema)}"
+        f"    {_outcome(leaf)}  if {sentence(split.condition, ensemble.schema)}"
         for split, leaf in zip(best.splits[:most], held, strict=False)
     ]
     title = f"Probability of {of}, by the first rule that holds"

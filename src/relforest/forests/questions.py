@@ -17,7 +17,6 @@ from relforest.trees.text import sentence as question_sentence
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from relforest.forests.conditions import Condition
     from relforest.forests.ensemble import Ensemble
     from relforest.scenes import Scenes, Schema
 
@@ -81,7 +80,7 @@ def node_means(tree: SceneTree | Tree) -> list[NDArray[np.float64]]:
 def question_in_words(tree: SceneTree | Tree, node: int, schema: Schema) -> str:
     """Return a question as a sentence; of a SMRF tree, after the answers that lead to it."""
     if isinstance(tree, SceneTree):
-        return condition_in_words(_split(tree, node).condition, schema)
+        return sentence(_split(tree, node).condition, schema)
     # In depth-first order, the first leaf after a node is below it.
     leaf = next(number for number, at in enumerate(tree.leaves) if at > node)
     above = [said for index, said in _branch(tree, leaf) if index < node]
@@ -103,9 +102,7 @@ def leaf_in_words(tree: SceneTree | Tree, leaf: int, schema: Schema) -> str:
         }
         while node:
             node, answer = parents[node]
-            above.insert(
-                0, _ANSWERED[answer].format(condition_in_words(_split(tree, node).condition, schema))
-            )
+            above.insert(0, _ANSWERED[answer].format(sentence(_split(tree, node).condition, schema)))
     return " and ".join(above) or "always"
 
 
@@ -117,16 +114,6 @@ def _branch(tree: Tree, leaf: int) -> list[tuple[int, str]]:
         fresh = new[index] if answer == "yes" else ()
         found.append((index, _ANSWERED[answer].format(question_sentence(_question(tree, index), fresh))))
     return found
-
-
-def condition_in_words(condition: Condition, schema: Schema) -> str:
-    """Return a condition as a sentence without a full stop."""
-    said = sentence(condition, schema)
-    if condition.every:
-        return said.replace(
-            "there are objects C and D such that", "every object C has another, D, such that", 1
-        )
-    return said
 
 
 def question_kind(tree: SceneTree | Tree, node: int, schema: Schema) -> str:
@@ -155,7 +142,7 @@ def answers(ensemble: Ensemble, number: int, scene: Scenes) -> list[Answered]:
             *scene.schema.parameters,
             *("CD" if is_true and not condition.every else "")[: condition.n_free],
         ]
-        said = condition_in_words(condition, ensemble.schema)
+        said = sentence(condition, ensemble.schema)
         met.append(Answered(node, child, said, is_true, _witnesses(names, rows, scene)))
         node = child
     return met

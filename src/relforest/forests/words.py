@@ -62,6 +62,8 @@ def sentence(condition: Condition, schema: Schema) -> str:
         rest = [f"{phrase.subject} {phrase.predicate}" for phrase in phrases if phrase.subject]
         return "; ".join([_some_object(own) if own else "there is another object", *rest])
     about = _joined([f"{phrase.subject} {phrase.predicate}" for phrase in phrases])
+    if condition.every:
+        return f"every object C has another, D, such that {about}"
     letters = " and ".join(names[n_arguments:])
     if condition.at_least == 1:
         return f"there are objects {letters} such that {about}"
