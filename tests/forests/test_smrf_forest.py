@@ -118,14 +118,19 @@ def test_three_classes_are_learned_without_negation() -> None:
         small(negated=0.5).fit(scenes, y)
 
 
-def test_numbers_are_predicted_by_trees_for_both_signs() -> None:
+@pytest.mark.parametrize("negated", [None, 0.5])
+def test_numbers_are_predicted_by_trees_for_either_end(negated: float | None) -> None:
     rng = np.random.default_rng(4)
     scenes = scenes_of(rng, 16, 2)
     y = nearest(scenes)
-    model = SMRFForestRegressor(n_trees=2, growth=TreeSettings(attempts=1), random_state=0).fit(scenes, y)
+    model = SMRFForestRegressor(n_trees=2, growth=TreeSettings(attempts=1), negated=negated, random_state=0)
+    model.fit(scenes, y)
 
     assert model.ensemble_.start.tolist() == [0.0]
-    assert model.ensemble_.weights.tolist() == [0.5, -0.5]
+    assert model.ensemble_.weights.tolist() == [0.5, 0.5]
+    leaves = [tree.nodes[tree.leaves[0]] for tree in model.ensemble_.trees]
+    lowest = [isinstance(leaf, MeanLeaf) and leaf.lowest for leaf in leaves]
+    assert negated is None or lowest == [False, True]
     assert abs(model.predict(scenes).mean() - y.mean()) < 0.5 * y.std()
     assert np.nanmax(np.abs(model.oob_prediction_ - y)) < 10
 

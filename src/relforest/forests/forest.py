@@ -43,8 +43,8 @@ class ForestSettings:
     growth : GrowthSettings or TreeSettings
         Decides whether the trees are trees of conditions or SMRF trees.
     negated : float or None
-        Share of the SMRF trees that are learned for the negated target; None is half of them, or none where
-        there are more than two classes.
+        Share of the SMRF trees that are learned for the negated target. None is half of them, none where
+        there are more than two classes, and for real targets whatever each tree explains better.
 
     Raises
     ------
@@ -84,8 +84,10 @@ class ForestSettings:
             raise InputError(f"max_samples must be at most the {n_scenes} scenes, got {self.max_samples}")
         return int(self.max_samples)
 
-    def signs(self, wanted: Wanted) -> NDArray[np.int64]:
-        """Return for each tree 1, or -1 if it is learned for the negated target; spread evenly.
+    def negations(self, wanted: Wanted) -> list[bool | None]:
+        """Return for each tree whether it is learned for the negated target, spread evenly.
+
+        None is for trees that decide it.
 
         Raises
         ------
@@ -96,10 +98,13 @@ class ForestSettings:
         if several and self.negated:
             raise InputError("more than two classes cannot be negated: leave negated at None")
         share = (0.0 if several else 0.5) if self.negated is None else self.negated
-        share = share if isinstance(self.growth, TreeSettings) else 0.0
+        if isinstance(self.growth, GrowthSettings):
+            share = 0.0
+        elif self.negated is None and not wanted.of_classes:
+            return [None] * self.n_trees
         # The slack keeps a product such as 0.3 * 10 from falling below the integer.
         steps = np.floor(share * np.arange(self.n_trees + 1) + 1e-9)
-        return np.where(np.diff(steps) > 0, -1, 1)
+        return [bool(step > 0.0) for step in np.diff(steps)]
 
 
 class Forest(NamedTuple):
@@ -136,7 +141,8 @@ def grow_forest(
     Palmer (2015), section 5.2.3 for SMRF trees, half of them with negated labels.
     """
     everything, size = np.arange(len(scenes)), settings.size(len(scenes))
-    signs, rngs = settings.signs(wanted), _streams(seed, settings.n_trees)
+    negations, rngs = settings.negations(wanted), _streams(seed, settings.n_trees)
+    signs = _signs(negations, wanted)
     is_smrf = isinstance(settings.growth, TreeSettings)
     pool = np.flatnonzero(wanted.weights > 0.0) if is_smrf else everything
     samples = [sampled(pool, size, rng) for rng in rngs]
@@ -144,7 +150,7 @@ def grow_forest(
     leaves: Sequence[NDArray[np.int64]]
     if isinstance(settings.growth, TreeSettings):
         parts = [(scenes.take(sample).compact(), wanted.take(sample)) for sample in samples]
-        forest = _smrf_forest(parts, signs, settings.growth, rngs, n_jobs)
+        forest = _smrf_forest(parts, negations, settings.growth, rngs, n_jobs)
         leaves = [
             query(cast("Tree", tree), scenes.take(rest)).leaf
             for tree, rest in zip(forest.ensemble.trees, unseen, strict=True)
@@ -192,16 +198,21 @@ def grow_forest_of_samples(
     """
     ends = np.cumsum([len(scenes) for scenes in samples])
     pieces = [wanted.take(np.arange(end - len(each), end)) for each, end in zip(samples, ends, strict=True)]
-    signs, rngs = settings.signs(wanted), _streams(seed, settings.n_trees)
+    negations, rngs = settings.negations(wanted), _streams(seed, settings.n_trees)
     if isinstance(settings.growth, TreeSettings):
         parts = ((scenes.compact(), piece) for scenes, piece in zip(samples, pieces, strict=True))
-        return _smrf_forest(parts, signs, settings.growth, rngs, n_jobs)
+        return _smrf_forest(parts, negations, settings.growth, rngs, n_jobs)
     tasks = [
         (scenes, piece, wanted.mean, settings.growth, rng)
         for scenes, piece, rng in zip(samples, pieces, rngs, strict=True)
     ]
     trees, n_sampled = zip(*run_tasks(grow_conditions, tasks, n_jobs=n_jobs, prefer="threads"), strict=True)
     return _forest_of_conditions(samples[0].schema, wanted, trees, max(n_sampled))
+
+
+def _signs(negations: list[bool | None], wanted: Wanted) -> NDArray[np.int64]:
+    """Return -1 for each tree whose probabilities are those of the negated labels, else 1."""
+    return np.where(np.array([bool(negated) for negated in negations]) & wanted.of_classes, -1, 1)
 
 
 def _streams(seed: np.random.SeedSequence, n_trees: int) -> list[np.random.Generator]:
@@ -218,15 +229,16 @@ def _forest_of_conditions(
 
 def _smrf_forest(
     parts: Iterable[tuple[Scenes, Wanted]],
-    signs: NDArray[np.int64],
+    negations: list[bool | None],
     settings: TreeSettings,
     rngs: Sequence[np.random.Generator],
     n_jobs: int,
 ) -> Forest:
-    """Grow a SMRF tree from each part; the sign of a tree for the negated target is -1."""
+    """Grow a SMRF tree from each part."""
     tasks = [
-        (*part, bool(sign < 0), settings, rng) for part, sign, rng in zip(parts, signs, rngs, strict=True)
+        (*part, negated, settings, rng) for part, negated, rng in zip(parts, negations, rngs, strict=True)
     ]
+    signs = _signs(negations, tasks[0][1])
     # Half of their time is spent outside kernels.
     grown = run_tasks(grow_smrf, tasks, n_jobs=n_jobs, prefer="processes")
     trees, n_sampled, n_left_out = zip(*grown, strict=True)

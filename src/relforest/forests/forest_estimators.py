@@ -162,6 +162,8 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
     negated : float, optional
         Share of the SMRF trees that are learned for the negated labels: these trees say what exists in scenes
         of the other class. Default: half of them, as in the source; none if there are more than two classes.
+        Of real targets, these trees say what exists in scenes of low values; by default, each tree says what
+        explains more.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -276,10 +278,6 @@ class SMRFForestRegressor(RegressorMixin, _Forest):  # type: ignore[misc]  # sci
         Predictions by those trees; NaN where all saw the scene.
     n_sampled_, n_left_out_ : int
         As for `SMRFForestClassifier`.
-
-    Notes
-    -----
-    A SMRF tree for the negated target says what exists in scenes of low values.
     """
 
     def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> Wanted:

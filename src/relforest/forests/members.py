@@ -10,7 +10,8 @@ import numpy as np
 from relforest.forests.growth import grow_tree
 from relforest.forests.kernels import Targets
 from relforest.forests.tables import searched_tables
-from relforest.trees import MeanLeaf, Target, Tree, grow
+from relforest.trees import MeanLeaf, Target, Tree
+from relforest.trees.growth import grow_best
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,12 +56,13 @@ class Wanted:
 
     def complement(self, negated: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Return what is added to minus each negated tree, (n_trees, n_outputs): 1 for probabilities."""
-        return np.repeat(
-            (negated & self.of_classes)[:, None].astype(np.float64), self.numbers.shape[1], axis=1
-        )
+        return np.repeat(negated[:, None].astype(np.float64), self.numbers.shape[1], axis=1)
 
-    def target(self, *, negated: bool) -> Target:
+    def targets(self, *, negated: bool | None) -> list[Target]:
         """Return the same, or its negation, for SMRF trees.
+
+        Of a real target, the leaf with the lowest mean decides instead of the one with the highest; both are
+        returned if `negated` is None.
 
         Raises
         ------
@@ -68,10 +70,14 @@ class Wanted:
             If all of several real targets are equal.
         """
         if not self.of_classes:
-            return Target.real(-self.numbers[:, 0] if negated else self.numbers[:, 0], self.weights)
+            return [
+                Target.real(self.numbers[:, 0], self.weights, lowest=lowest)
+                for lowest in (False, True)
+                if negated is None or negated == lowest
+            ]
         if self.numbers.shape[1] > 1:
-            return Target.classes(self.numbers.argmax(axis=1), self.numbers.shape[1], self.weights)
-        return Target.binary((self.numbers[:, 0] > 0.5) != negated, self.weights)
+            return [Target.classes(self.numbers.argmax(axis=1), self.numbers.shape[1], self.weights)]
+        return [Target.binary((self.numbers[:, 0] > 0.5) != bool(negated), self.weights)]
 
 
 def sampled(pool: NDArray[np.int64], size: int, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -107,14 +113,13 @@ def grow_conditions(
 def grow_smrf(
     scenes: Scenes,
     wanted: Wanted,
-    negated: bool,  # noqa: FBT001 - a task is a tuple of arguments
+    negated: bool | None,  # noqa: FBT001 - a task is a tuple of arguments
     settings: TreeSettings,
     rng: np.random.Generator,
 ) -> tuple[Tree, int, int]:
     """Grow a SMRF tree from all of the scenes; return as well how many expansions were sampled, left out."""
     if not wanted.of_classes and np.ptp(wanted.numbers) == 0.0:
-        value = float(wanted.numbers[0, 0])
-        leaf = MeanLeaf(-value if negated else value, 0, len(scenes), 0.0)
+        leaf = MeanLeaf(float(wanted.numbers[0, 0]), 0, len(scenes), 0.0)
         return Tree(scenes.schema, (leaf,)), 0, 0
-    growth = grow(scenes, wanted.target(negated=negated), rng=rng, settings=settings)
+    growth = grow_best(scenes, wanted.targets(negated=negated), rng=rng, settings=settings)
     return growth.tree, growth.n_sampled, growth.n_left_out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self, final, get_args
 
 import numpy as np
@@ -20,11 +20,10 @@ from relforest.support.options import one_of
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
 from relforest.trees.criterion import Target
-from relforest.trees.growth import grow
+from relforest.trees.growth import grow_best
 from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
-from relforest.trees.significance import sidak
 from relforest.trees.weights import ClassWeight, class_weights, scene_weights
 from relforest.volumes.settings import CovAggSettings
 
@@ -84,7 +83,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
     def _grow(self, scenes: Scenes, targets: Sequence[Target], weights: NDArray[np.float64] | None) -> None:
         """Learn `tree_` from the scenes with a weight, for the target that explains most of them.
 
-        Each target stands for the same facts. With several, each has its share of the level.
+        Each target stands for the same facts.
         """
         if not isinstance(self.covagg, CovAggSettings | None):
             raise InputError(f"covagg must be CovAggSettings(...) or None, got {self.covagg!r}")
@@ -97,12 +96,10 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             max_points=self.max_points,
             covagg=self.covagg or CovAggSettings(),
         )
-        settings = replace(settings, alpha=sidak(settings.alpha, len(targets)))
         rng = generator(seed_sequence(self.random_state))
         kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
         with printed_to_stderr(self.verbose):
-            grown = [grow(kept, target, rng=rng, settings=settings) for target in targets]
-        growth = max(grown, key=lambda each: sum(step.gain for step in each.steps))
+            growth = grow_best(kept, targets, rng=rng, settings=settings)
         self.tree_: Tree = growth.tree
         self.steps_: tuple[Step, ...] = growth.steps
         self.n_left_out_: int = growth.n_left_out

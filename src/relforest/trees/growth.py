@@ -22,6 +22,8 @@ from relforest.trees.significance import sidak
 from relforest.trees.tree import Tree
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
@@ -77,6 +79,31 @@ class Growth:
     steps: tuple[Step, ...]
     n_left_out: int
     n_sampled: int
+
+
+def grow_best(
+    scenes: Scenes, targets: Sequence[Target], *, rng: np.random.Generator, settings: TreeSettings = _DEFAULT
+) -> Growth:
+    """Learn a tree for each of several targets that state the same facts; return the one that explains most.
+
+    Parameters
+    ----------
+    scenes : Scenes
+    targets : sequence of Target
+        Such as a number of which the highest leaf decides, and the same number with the lowest one.
+    rng : Generator
+        Source of all sampling.
+    settings : TreeSettings
+        Each tree has its share of the level `alpha`.
+
+    Raises
+    ------
+    InputError
+        See `grow`.
+    """
+    settings = replace(settings, alpha=sidak(settings.alpha, len(targets)))
+    grown = [grow(scenes, target, rng=rng, settings=settings) for target in targets]
+    return max(grown, key=lambda each: sum(step.gain for step in each.steps))
 
 
 def grow(
