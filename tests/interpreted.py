@@ -10,4 +10,4 @@ import pytest
 INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 
 compiled_only = pytest.mark.skipif(INTERPRETED, reason="takes too long without compilation")
-"""For tests of whole programs, every part of which has tests of its own."""
+"""For tests of what is built on kernels that have tests of their own: whole programs, estimators, worlds."""

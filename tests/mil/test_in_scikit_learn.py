@@ -17,6 +17,7 @@ from sklearn.ensemble import BaggingClassifier
 from sklearn.model_selection import GridSearchCV, cross_val_score
 from sklearn.pipeline import make_pipeline
 
+from interpreted import compiled_only
 from relforest import CovAggClassifier
 from relforest.datasets import BagSet
 from relforest.mil import BagScaler, VolumeCommitteeClassifier
@@ -31,6 +32,8 @@ from relforest.mil.peers import (
     SingleInstanceSVMClassifier,
 )
 from relforest.support.errors import InputError
+
+pytestmark = compiled_only
 
 RNG = np.random.default_rng(0)
 Y = np.arange(24) % 2

@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
+from interpreted import compiled_only
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
 from relforest.mil.volume_panels import PANELS, VOLUME_PANELS
 from relforest.support.errors import InputError
+
+pytestmark = compiled_only
 
 Floats = NDArray[np.float64]
 SMALL: dict[str, Any] = {"n_splits": 2, "n_volumes": 4, "n_balls": 60}

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from interpreted import compiled_only
 from relforest.forests.tree_features import width
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
@@ -30,6 +31,8 @@ from rl.small_worlds import (
     two_episodes,
     within,
 )
+
+pytestmark = compiled_only
 
 REACH = 1
 

@@ -22,6 +22,8 @@ from relforest.support.locks import FolderLock
 from relforest.worlds.corridor.env import CorridorEnv
 from rl.small_worlds import Picking
 
+pytestmark = compiled_only
+
 QUICK = RPISettings(trees_per_label=1, max_rounds=2, max_scenes=40)
 ITERATIONS, EPISODES = 2, 5
 
@@ -103,7 +105,6 @@ def fail_at(monkeypatch: pytest.MonkeyPatch, place: int, *, torn: bool) -> None:
     monkeypatch.setattr(files, "write_bytes", write_bytes)
 
 
-@compiled_only
 def test_a_run_killed_at_any_file_goes_on_to_the_same_end(
     finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

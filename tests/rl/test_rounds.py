@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from interpreted import compiled_only
 from relforest.rl.bellman import error_labels, look_ahead
 from relforest.rl.features import forest_features
 from relforest.rl.lspi import lspi
@@ -17,6 +18,8 @@ from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction, action_schemas
 from relforest.trees import TreeSettings
 from relforest.worlds.corridor.env import CorridorEnv
+
+pytestmark = compiled_only
 
 SEED = np.random.SeedSequence(0)
 SETTINGS = RPISettings(trees_per_label=1, max_rounds=2, max_scenes=40)

@@ -17,6 +17,8 @@ from relforest.support.progress import Stage, listening
 from relforest.worlds.corridor.env import CorridorEnv
 from rl.small_worlds import Picking, Reaching
 
+pytestmark = compiled_only
+
 QUICK = RPISettings(trees_per_label=1, max_rounds=2, max_scenes=40)
 
 
@@ -52,7 +54,6 @@ def test_learning_beats_chance(learned: SMRFRPI) -> None:
     assert learned.metrics_[-1]["test_reward"] > 5.0
 
 
-@compiled_only
 def test_actions_with_private_objects_are_learned() -> None:
     learner = SMRFRPI(Reaching(), settings=QUICK, random_state=0).learn(2, 30, test_episodes=100)
     rows = learner.metrics_

@@ -18,11 +18,14 @@ from sklearn.utils.estimator_checks import (
     check_parameters_default_constructible,
 )
 
+from interpreted import compiled_only
 from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, SMRFTreeRegressor
 from relforest.support.errors import InputError
 from relforest.trees import Explanation, Question, Tree, TreeSettings, query
 from relforest.trees.significance import likelihood_ratio_p
 from relforest.volumes import CovAggSettings, Ellipsoid
+
+pytestmark = compiled_only
 
 SCHEMA = Schema((Attribute("location", 2, operations=("distance",)),), ("passer",))
 

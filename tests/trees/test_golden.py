@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from interpreted import compiled_only
 from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, Tree
 from relforest.support.files import write_json
+
+pytestmark = compiled_only
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "small_tree.json"
 SCHEMA = Schema((Attribute("location", 2), Attribute("orientation")), ("passer",))

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest import Attribute, Scenes, Schema, SMRFTreeClassifier, SMRFTreeRegressor, Tree
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.trees import Leaf, MeanLeaf
+
+pytestmark = compiled_only
 
 Floats = NDArray[np.float64]
 

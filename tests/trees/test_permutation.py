@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest.mappings import catalogue
 from relforest.trees import Leaf, Tree, TreeSettings
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf
@@ -14,6 +15,8 @@ from relforest.trees.permutation import _shuffled, permutation_p
 from relforest.trees.search import SEARCHES, LeafSearch
 from relforest.trees.sequences import Sequences, argument_places
 from small_trees import plane, scenes_in
+
+pytestmark = compiled_only
 
 Booleans = NDArray[np.bool_]
 

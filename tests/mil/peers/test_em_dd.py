@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import expit
 
+from interpreted import compiled_only
 from mil.peers.learnable import Y, squeezed
 from reference import peers as reference
 from relforest.mil.peers import EMDDClassifier
@@ -71,6 +72,7 @@ def test_scores_are_log_odds_of_the_best_instance() -> None:
     assert model.predict([[[quarter]] * 9]).tolist() == [0]
 
 
+@compiled_only
 def test_the_seed_decides_which_bags_it_starts_from() -> None:
     noise = np.random.default_rng(0).standard_normal((40, 3, 2))
     y = np.arange(40) % 2

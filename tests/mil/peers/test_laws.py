@@ -14,6 +14,7 @@ from sklearn.exceptions import NotFittedError
 from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
 
+from interpreted import compiled_only
 from mil.peers.learnable import N_BAGS, Y, squeezed
 from relforest.mil.peers import (
     APRClassifier,
@@ -23,6 +24,8 @@ from relforest.mil.peers import (
 )
 from relforest.mil.scaling import BagScaler
 from relforest.support.errors import InputError
+
+pytestmark = compiled_only
 
 BAGS, TEST = squeezed(), squeezed(1)
 # EM-DD from all bags, because the order of bags decides which ones are drawn.

@@ -25,6 +25,8 @@ from relforest.worlds.keepaway.events import (
 from relforest.worlds.keepaway.layout import CAPPED, OUT, TAKEN
 from relforest.worlds.keepaway.options import KeepawayOptions
 
+pytestmark = compiled_only
+
 Variables = NDArray[np.float64]
 
 INTERPRETED = os.environ.get("NUMBA_DISABLE_JIT") == "1"
@@ -92,7 +94,6 @@ def test_what_is_counted_fits_together() -> None:
     assert played.keeper_distances.shape == (3,)
 
 
-@compiled_only
 def test_random_play_lasts_about_as_long_as_with_the_real_server() -> None:
     durations = episode_durations("random", episodes=64, seed=0)
 

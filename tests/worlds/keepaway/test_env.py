@@ -12,6 +12,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.scenes import Scenes
@@ -29,6 +30,8 @@ from relforest.worlds.keepaway.spaces import variables_space
 from relforest.worlds.keepaway.variables import n_variables, nearest_keeper, state_variables
 from relforest.worlds.keepaway.views import new_work
 from relforest.worlds.keepaway.wrapper import StateVariables
+
+pytestmark = compiled_only
 
 Step = tuple[dict[str, Any], float, bool, bool, dict[str, Any]]
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest.support.errors import InputError
 from relforest.support.progress import Stage, listening
 from relforest.worlds.keepaway.durations import Policy, play_episodes
@@ -13,6 +14,8 @@ from relforest.worlds.keepaway.layout import BODY, CAPPED, KICK, NONE, OUT, TAKE
 from relforest.worlds.keepaway.options import KeepawayOptions
 from relforest.worlds.keepaway.recorder import Values, hand_scores, record_episodes
 from relforest.worlds.keepaway.recording import Recording
+
+pytestmark = compiled_only
 
 KICKABLE = 1.085
 

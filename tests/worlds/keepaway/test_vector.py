@@ -16,6 +16,8 @@ from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.scene import NOBODY
 from relforest.worlds.keepaway.vector import KeepawayVectorEnv
 
+pytestmark = compiled_only
+
 FOUR_THREE: dict[str, Any] = {"keepers": 4, "takers": 3, "size": 25.0}
 
 
@@ -33,7 +35,6 @@ def assert_same(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
         assert found.dtype == expected.dtype, name
 
 
-@compiled_only
 @pytest.mark.parametrize("options", [{}, FOUR_THREE, {"max_cycles": 12}])
 def test_it_is_what_single_environments_give(options: dict[str, Any]) -> None:
     native, single = KeepawayVectorEnv(5, **options), one_by_one(5, **options)
