@@ -34,7 +34,6 @@ def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
         scenes, labels = noise(generator(stream(place.stream, number, _DATA)), setting)
         learner = SMRFTreeClassifier(
             test=setting.test,
-            search="exhaustive",  # the source's
             alpha=setting.alpha,
             permutations=setting.permutations,
             random_state=stream(place.stream, number, _LEARNING),
