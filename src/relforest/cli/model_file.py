@@ -124,7 +124,7 @@ class Model:
             return Predictions(probability, None, {})
         answers = query(self.learned, scenes, n_jobs=n_jobs)
         witnesses = {variable_name(variable): rows for variable, rows in enumerate(answers.witnesses.T)}
-        return Predictions(self.learned.leaf_probabilities[answers.leaf], answers.leaf, witnesses)
+        return Predictions(self.learned.leaf_predictions[answers.leaf], answers.leaf, witnesses)
 
     @property
     def remedy(self) -> str:

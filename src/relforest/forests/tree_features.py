@@ -54,7 +54,8 @@ def tree_features(tree: Tree, answers: Answers, mode: TreeMode) -> FloatArray:
           at each question above it, root first, for the most representative instantiation sequence. Leaves
           that do not decide the scene, and questions answered with Error, contribute 0.
         - ``"bits"``: the bits alone.
-        - ``"probability"``: one column, the probability of the deciding leaf (Palmer (2015), section 5.2.3).
+        - ``"probability"``: one column, the probability of the deciding leaf, or its mean (Palmer (2015), section
+          5.2.3).
 
     References
     ----------
@@ -62,8 +63,8 @@ def tree_features(tree: Tree, answers: Answers, mode: TreeMode) -> FloatArray:
     leaves the scale open, and a constant factor changes only the weight.
     """
     if mode == "probability":
-        probabilities: FloatArray = tree.leaf_probabilities[answers.leaf][:, None]
-        return probabilities
+        predictions: FloatArray = tree.leaf_predictions[answers.leaf][:, None]
+        return predictions
     features = np.zeros((len(answers.leaf), width(tree, mode)))
     start = 0
     for leaf, columns in enumerate(leaf_widths(tree, mode)):
