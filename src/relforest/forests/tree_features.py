@@ -54,8 +54,8 @@ def tree_features(tree: Tree, answers: Answers, mode: TreeMode) -> FloatArray:
           at each question above it, root first, for the most representative instantiation sequence. Leaves
           that do not decide the scene, and questions answered with Error, contribute 0.
         - ``"bits"``: the bits alone.
-        - ``"probability"``: one column, the probability of the deciding leaf, or its mean (Palmer (2015), section
-          5.2.3).
+        - ``"probability"``: one column, the probability of the deciding leaf, or its mean (Palmer (2015),
+          section 5.2.3).
 
     References
     ----------
