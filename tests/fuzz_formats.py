@@ -26,12 +26,11 @@ from mutations import (
 from relforest.cli.columns import Columns
 from relforest.cli.model_file import Model, read_model, write_model
 from relforest.datasets import read_arff, read_c45, read_csv
-from relforest.experiments import sarsa_folder
 from relforest.experiments.claims import Findings
-from relforest.experiments.folders import claimed
+from relforest.experiments.keepaway_team import Team
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import metrics_of
 from relforest.experiments.runner import run_study
+from relforest.experiments.sarsa import SarsaLearner, Trained, trained_team
 from relforest.experiments.study import Place, Study
 from relforest.experiments.table import Row, Table
 from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
@@ -40,17 +39,20 @@ from relforest.mappings import Mapping as MappingFunction
 from relforest.reports import QuestionPoints, save_figure, tree_figure
 from relforest.reports.run_report import metrics_table, run_report
 from relforest.reports.tree_path import path_in_words, tree_path
-from relforest.rl.checkpoint import METRIC_NAMES, Progress, RunFolder
-from relforest.rl.configuration import describe_run, restore_run
+from relforest.rl.configuration import restore_run
+from relforest.rl.learner import Knowledge, RPILearner
 from relforest.rl.peers import SarsaSettings, TileCoding, make_team
-from relforest.rl.policy_file import read_policy, write_policy, write_tree
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
+from relforest.runs.learner import METRIC_NAMES, Run
+from relforest.runs.manifest import held
+from relforest.runs.store import RunStore, metrics_of, read_checkpoint
 from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read_table
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
 from relforest.trees import Tree, query
 from relforest.volumes import Slab
+from relforest.worlds.keepaway.options import KeepawayOptions
 from reports.drawn_trees import NEAR, five_questions, question, scenes_of
 from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
 from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes
@@ -69,6 +71,8 @@ DATA: Final = Path(__file__).parent / "data"
 FORESTS: Final = ((near(SCHEMA), near(SCHEMA, mean=0.9)), (beside(), near(PICK_SCHEMA)))
 NAMES: Final = (("0001-wait-1.json", "0002-wait-1.json"), ("0001-pick-1.json", "0002-pick-1.json"))
 CONFIG: Final = RunConfig("corridor", episodes=3, iterations=2, seed=7)
+LEARNER: Final = RPILearner(Picking(), RPISettings(), seed_sequence(7), 3, 3)
+SARSA: Final = SarsaLearner(KeepawayOptions(), SarsaSettings(), False, seed_sequence(7), 3, 3)  # noqa: FBT003
 ROWS: Final = [
     {
         "iteration": number,
@@ -216,20 +220,9 @@ def _six_questions() -> Tree:
     return tree.expanded(tree.n_leaves - 1, 0, question("difference", "location", (0, 1), Slab(NEAR, 1, 2)))
 
 
-def _trees(folder: Path) -> None:
-    for names, trees in zip(NAMES, FORESTS, strict=True):
-        for name, tree in zip(names, trees, strict=True):
-            write_tree(folder, name, tree)
-
-
 def _value() -> ValueFunction:
     weights = (np.linspace(-1, 1, 13), np.linspace(0, 1, 20))
     return ValueFunction(SCHEMA, ACTION_TYPES, "densities+bits", FORESTS, weights)
-
-
-def _policy(folder: Path) -> None:
-    _trees(folder)
-    write_policy(folder, _value(), NAMES, 2)
 
 
 def _act(value: ValueFunction) -> None:
@@ -240,38 +233,33 @@ def _act(value: ValueFunction) -> None:
 
 
 def _run(folder: Path) -> None:
-    progress = Progress(_value(), NAMES, tuple(ROWS), (two_episodes(), two_episodes()))
-    with claimed(folder, CONFIG.identity(), is_finished=lambda: True):
-        pass
-    settings = describe_run(Picking(), RPISettings(), seed_sequence(7), (3, 3))
-    _trees(folder)
-    RunFolder(folder).write(progress, settings)
+    knowledge = Knowledge(_value(), NAMES, (two_episodes(), two_episodes()))
+    with held(folder, CONFIG.manifest(), is_finished=lambda: True):
+        RunStore(folder, LEARNER).write(Run(knowledge, tuple(ROWS)))
 
 
 def _use_run(folder: Path) -> None:
-    with claimed(folder, CONFIG.identity(), is_finished=lambda: True):
+    with held(folder, CONFIG.manifest(), is_finished=lambda: True):
         rows = metrics_of(folder)
     assert metrics_table(rows, METRIC_NAMES)
     assert run_report(folder)
-    run = RunFolder(folder)
-    if run.holds_run:
-        progress, configuration = run.read()
-        restore_run(configuration, folder)
-        run.repair(progress)
-        _act(progress.value)
+    restore_run(read_checkpoint(folder).configuration, folder)
+    run = RunStore(folder, LEARNER).resume()
+    if run is not None:
+        _act(run.state.value)
 
 
 def _sarsa(folder: Path) -> None:
-    team = make_team(TileCoding([2.0, 10.0], 3, tilings=2), 3, SarsaSettings(), random_state=0)
+    team: Team = make_team(TileCoding([2.0, 10.0], 3, tilings=2), 3, SarsaSettings(), random_state=0)
     for number in range(2):
-        sarsa_folder.write_iteration(folder, team, [dict(row) for row in ROWS[: number + 1]])
+        RunStore(folder, SARSA).write(Run(Trained(team), tuple(ROWS[: number + 1])))
 
 
 def _use_sarsa(folder: Path) -> None:
     assert metrics_table(metrics_of(folder), METRIC_NAMES)
-    for agent in sarsa_folder.trained_team(folder):
+    for agent in trained_team(folder):
         if agent.features.n_features < 1000 and agent.features.to_dict()["widths"] == [2.0, 10.0]:
-            agent.start([1.0, 5.0])
+            agent.start(np.array([1.0, 5.0]))
 
 
 @final
@@ -371,26 +359,21 @@ FORMATS: Final[Mapping[str, Format]] = {
         lambda folder: _use_model(folder / "tree.json"),
         0.7,
     ),
-    "policy": Format(
-        _policy,
-        {"policy.json": _JSON, "weights.npz": _ARRAYS, "trees/*.json": _JSON},
-        lambda folder: _act(read_policy(folder)),
-    ),
     "run": Format(
         _run,
         {
             "run.json": _JSON,
             "checkpoint.json": _JSON,
-            "policy.json": _JSON,
             "metrics.jsonl": damaged,
             "experience/*.npz": _ARRAYS,
+            "trees/*.json": _JSON,
         },
         _use_run,
         0.7,
     ),
     "sarsa": Format(
         _sarsa,
-        {"sarsa-run.json": _JSON, "model-*/sarsa.json": _JSON, "model-*/*.npz": _ARRAYS},
+        {"checkpoint.json": _JSON, "model-*/sarsa.json": _JSON, "model-*/*.npz": _ARRAYS},
         _use_sarsa,
     ),
     "study": Format(

@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from relforest.experiments.sarsa_folder import write_iteration
 
 from cli.command_lines import CommandLine
 from relforest.experiments.keepaway_team import benchmark_team
-from relforest.experiments.sarsa_folder import write_iteration
 from relforest.worlds.blocks.env import high_towers_env
 from relforest.worlds.blocks.policies import make_policy
 from relforest.worlds.blocks.recorder import record_episodes

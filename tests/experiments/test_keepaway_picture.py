@@ -5,10 +5,10 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+from relforest.experiments.sarsa_folder import write_iteration
 
 from relforest.experiments.keepaway_picture import agent_policy_map, formations, team_policy_map
 from relforest.experiments.keepaway_team import benchmark_team
-from relforest.experiments.sarsa_folder import write_iteration
 from relforest.experiments.tasks import task_named
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.errors import InputError

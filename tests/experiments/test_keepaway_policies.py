@@ -5,10 +5,10 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+from relforest.experiments.sarsa_folder import write_iteration
 
 from relforest.experiments.keepaway_policies import AgentDecider, TeamDecider, learned_policy
 from relforest.experiments.keepaway_team import benchmark_team, play_episodes_with
-from relforest.experiments.sarsa_folder import write_iteration
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.errors import InputError
 from relforest.support.rng import seed_sequence

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relforest.experiments.keepaway_team import benchmark_team, frozen, play_episodes_with
+from relforest.experiments.keepaway_team import benchmark_team, play_episodes_with, renewed
 from relforest.rl.peers import SarsaSettings
 from relforest.support.errors import InputError
 from relforest.support.rng import seed_sequence
@@ -55,9 +55,9 @@ def test_frozen_agents_change_nothing_and_play_what_they_know() -> None:
     team = benchmark_team(RULES, random_state=0)
     play_episodes_with(team, RULES, 3, SEED)
     before = [agent.weights.copy() for agent in team]
-    first = play_episodes_with(frozen(team, 1), RULES, 3, SEED)
+    first = play_episodes_with(renewed(team, 1, learn=False), RULES, 3, SEED)
 
-    np.testing.assert_array_equal(first, play_episodes_with(frozen(team, 1), RULES, 3, SEED))
+    np.testing.assert_array_equal(first, play_episodes_with(renewed(team, 1, learn=False), RULES, 3, SEED))
     for agent, weights in zip(team, before, strict=True):
         np.testing.assert_array_equal(agent.weights, weights)
 
@@ -73,7 +73,7 @@ def test_the_same_seeds_give_the_same_agents() -> None:
 
 def test_an_untrained_team_plays_like_the_random_policy() -> None:
     rules = KeepawayOptions(max_cycles=25)
-    team = frozen(benchmark_team(rules, random_state=0))
+    team = renewed(benchmark_team(rules, random_state=0), learn=False)
     ours = play_episodes_with(team, rules, 12, SEED)
     theirs = play_episodes("random", rules, 12, 1).durations
 

@@ -57,13 +57,13 @@ def test_a_single_run_has_the_folder_to_itself(tmp_path: Path) -> None:
     ]
 
 
-def test_the_identity_holds_everything_that_results_depend_on() -> None:
+def test_the_manifest_holds_everything_that_results_depend_on() -> None:
     config = RunConfig("corridor", episodes=10, iterations=2, runs=3, seed=4, features="bits")
-    identity = config.identity()
+    manifest = config.manifest()
 
-    assert identity.file == "run.json"
-    assert identity.growing == "iterations"
-    assert {name: value for name, value in identity.content.items() if name != "settings"} == {
+    assert manifest.file == "run.json"
+    assert manifest.growing == "iterations"
+    assert {name: value for name, value in manifest.content.items() if name != "settings"} == {
         "task": "corridor",
         "method": "smrf-rpi",
         "episodes": 10,
@@ -73,32 +73,32 @@ def test_the_identity_holds_everything_that_results_depend_on() -> None:
         "seed": 4,
         "features": "bits",
     }
-    assert identity.content["settings"]["epsilon"] == 0.1
-    sarsa = RunConfig("keepaway", method="cmac-sarsa").identity().content
+    assert manifest.content["settings"]["epsilon"] == 0.1
+    sarsa = RunConfig("keepaway", method="cmac-sarsa").manifest().content
     assert sarsa["method"] == "cmac-sarsa"
     assert not {"features", "settings"} & set(sarsa)
-    assert config.identity(2).content == {**identity.content, "run": 2}
+    assert config.manifest(2).content == {**manifest.content, "run": 2}
     assert config.settings.features == "bits"
 
 
 def test_as_many_test_episodes_as_training_episodes_are_the_default() -> None:
-    assert RunConfig("corridor", episodes=10).identity().content == (
-        RunConfig("corridor", episodes=10, test_episodes=10).identity().content
+    assert RunConfig("corridor", episodes=10).manifest().content == (
+        RunConfig("corridor", episodes=10, test_episodes=10).manifest().content
     )
 
 
-def test_options_of_the_learner_are_part_of_the_identity() -> None:
+def test_options_of_the_learner_are_part_of_the_manifest() -> None:
     plain = RunConfig("corridor", rpi=RPISettings(), seed=4)
     changed = RunConfig("corridor", rpi=RPISettings(max_rounds=3, features="bits"), discount=0.5)
     team = RunConfig("keepaway", method="cmac-sarsa", sarsa=SarsaSettings(alpha=0.25))
 
     # Older runs name no discount and no options of Sarsa.
-    assert plain.identity().content == RunConfig("corridor", seed=4).identity().content
-    assert changed.identity().content["settings"]["max_rounds"] == 3
-    assert changed.identity().content["features"] == "bits"
-    assert changed.identity().content["discount"] == 0.5
-    assert team.identity().content["sarsa"]["alpha"] == 0.25
-    assert "sarsa" not in replace(team, sarsa=SarsaSettings()).identity().content
+    assert plain.manifest().content == RunConfig("corridor", seed=4).manifest().content
+    assert changed.manifest().content["settings"]["max_rounds"] == 3
+    assert changed.manifest().content["features"] == "bits"
+    assert changed.manifest().content["discount"] == 0.5
+    assert team.manifest().content["sarsa"]["alpha"] == 0.25
+    assert "sarsa" not in replace(team, sarsa=SarsaSettings()).manifest().content
 
 
 def test_features_are_those_asked_for_or_those_of_the_settings() -> None:

@@ -11,8 +11,8 @@ import pytest
 
 from experiments.run_folders import SMALL, TWO_RUNS, contents, stamps
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.runs import learn_runs
+from relforest.runs.store import iterations_of, metrics_of
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 
 HOLDER = """
@@ -61,7 +61,7 @@ def test_a_run_folder_holds_configuration_results_and_pictures(finished: Path) -
         ["iteration", "test_reward", "train_reward", "trees", "leaves"]
     ] * 2
     assert [row["iteration"] for row in rows] == [0, 1]
-    assert metrics_of(finished) == rows
+    assert list(metrics_of(finished)) == rows
     assert json.loads((finished / "run.json").read_text())["seed"] == 0
 
 
@@ -70,7 +70,7 @@ def test_iterations_are_reported_with_their_rows_and_seconds(tmp_path: Path, fin
     learn_runs(SMALL, tmp_path / "out", on_iteration=lambda *report: reports.append(report))
 
     assert [run for run, _, _ in reports] == [0, 0]
-    assert [row for _, row, _ in reports] == metrics_of(finished)
+    assert [row for _, row, _ in reports] == list(metrics_of(finished))
     assert all(sum(seconds.values()) > 0.0 for _, _, seconds in reports)
 
 
@@ -224,7 +224,7 @@ def test_a_damaged_checkpoint_is_named(tmp_path: Path) -> None:
 
 
 def test_a_run_that_has_not_begun_has_no_metrics(tmp_path: Path) -> None:
-    assert metrics_of(tmp_path / "nothing") == []
+    assert metrics_of(tmp_path / "nothing") == ()
     assert iterations_of(tmp_path / "nothing") == -1
 
 

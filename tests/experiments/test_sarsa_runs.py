@@ -8,15 +8,16 @@ from typing import Any
 import pytest
 
 from experiments.run_folders import contents
-from relforest.experiments import sarsa_folder, sarsa_runs
+from relforest.experiments import sarsa
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.runs import learn_runs
-from relforest.experiments.sarsa_folder import trained_team
+from relforest.experiments.sarsa import trained_team
+from relforest.runs import store
+from relforest.runs.store import iterations_of, metrics_of
 from relforest.support.errors import ModelFormatError, RunFolderError
 
 SMALL = RunConfig("keepaway", episodes=1, iterations=1, test_episodes=1, method="cmac-sarsa")
-NAMES = {"run.json", "sarsa-run.json", "metrics.jsonl", "policy-map.png", "reward.png"}
+NAMES = {"run.json", "checkpoint.json", "metrics.jsonl", "policy-map.png", "reward.png"}
 
 
 class KilledError(BaseException):
@@ -37,7 +38,7 @@ def test_a_run_folder_holds_metrics_agents_and_pictures(finished: Path) -> None:
     assert names - models == NAMES
     assert {name.split("/")[0] for name in models} == {"model-0001"}
     rows = [json.loads(line) for line in (finished / "metrics.jsonl").read_text().splitlines()]
-    assert metrics_of(finished) == rows
+    assert list(metrics_of(finished)) == rows
     assert [row["iteration"] for row in rows] == [0, 1]
     assert rows[0]["train_reward"] is None
     assert all(row["test_reward"] > 0 for row in rows)
@@ -55,12 +56,12 @@ def test_more_iterations_extend_a_run_to_the_one_that_had_them_at_once(tmp_path:
     assert one.weights is other.weights
 
 
-@pytest.mark.parametrize("moment", ["write_team", "write_json", "tidy"])
+@pytest.mark.parametrize("moment", ["write_npz", "write_json", "write_text"])
 def test_a_run_killed_while_it_writes_goes_on_to_the_same_end(
     tmp_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
     calls = 0
-    original = getattr(sarsa_folder, moment)
+    original = getattr(store, moment)
 
     def dies(*arguments: Any) -> Any:
         nonlocal calls
@@ -71,7 +72,7 @@ def test_a_run_killed_while_it_writes_goes_on_to_the_same_end(
         return original(*arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(sarsa_folder, moment, dies)
+        patch.setattr(store, moment, dies)
         with pytest.raises(KilledError):
             learn_runs(SMALL, tmp_path)
     learn_runs(SMALL, tmp_path)
@@ -80,7 +81,7 @@ def test_a_run_killed_while_it_writes_goes_on_to_the_same_end(
 
 
 def test_a_finished_run_is_left_unchanged(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sarsa_runs, "play_episodes_with", None)
+    monkeypatch.setattr(sarsa, "play_episodes_with", None)
     before = contents(finished)
     learn_runs(SMALL, finished)
 
@@ -105,16 +106,16 @@ def test_another_method_is_refused(finished: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content", ["{}", "[", '{"format": "relforest-sarsa-run", "version": 1, "metrics": []}']
+    "content", ["{}", "[", '{"format": "relforest-checkpoint", "version": 1, "metrics": []}']
 )
 def test_a_damaged_checkpoint_is_named(tmp_path: Path, content: str) -> None:
-    (tmp_path / "sarsa-run.json").write_text(content)
+    (tmp_path / "checkpoint.json").write_text(content)
 
     assert iterations_of(tmp_path) == -1
-    with pytest.raises(ModelFormatError, match=r"sarsa-run\.json"):
+    with pytest.raises(ModelFormatError, match=r"checkpoint\.json"):
         metrics_of(tmp_path)
 
 
 def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ModelFormatError, match=r"does not contain sarsa-run\.json"):
+    with pytest.raises(ModelFormatError, match=r"checkpoint\.json"):
         trained_team(tmp_path)

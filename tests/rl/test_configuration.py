@@ -7,17 +7,12 @@ import gymnasium
 import numpy as np
 import pytest
 
-from relforest.rl.configuration import (
-    check_configuration,
-    check_world,
-    describe_run,
-    differences,
-    restore_run,
-)
+from relforest.rl.configuration import check_world, describe_run, restore_run
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
+from relforest.runs.manifest import differences
 from relforest.scenes import Attribute, Schema
-from relforest.support.errors import InputError, ModelFormatError, RunFolderError
+from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.rng import stream
 from relforest.worlds.corridor.env import CorridorEnv
 from rl.small_worlds import ACTION_TYPES, SCHEMA, Picking
@@ -36,10 +31,10 @@ HERE = Path("runs/one")
 )
 def test_seed_and_settings_survive_json(seed: np.random.SeedSequence) -> None:
     document = json.loads(json.dumps(describe_run(CorridorEnv(), RPISettings(), seed, (500, 10))))
-    restored, settings = restore_run(document, HERE)
+    restored, settings, episodes = restore_run(document, HERE)
     assert restored.generate_state(4).tolist() == seed.generate_state(4).tolist()
     assert settings == RPISettings()
-    assert (document["episodes"], document["test_episodes"]) == (500, 10)
+    assert episodes == (500, 10)
 
 
 def test_the_options_of_an_environment_belong_to_the_configuration() -> None:
@@ -49,22 +44,6 @@ def test_the_options_of_an_environment_belong_to_the_configuration() -> None:
         for noise in (0.05, 0.1)
     )
     assert differences(one, other) == ["world.options.noise (0.05 there, 0.1 here)"]
-
-
-def test_differences_name_nested_entries() -> None:
-    there = {"episodes": 500, "settings": {"alpha": 0.05, "lspi": {"epsilon": 1.0}}, "old": 1}
-    here = {"episodes": 500, "settings": {"alpha": 0.1, "lspi": {"epsilon": 2.0}}, "new": 2}
-    assert differences(there, here) == [
-        "settings.alpha (0.05 there, 0.1 here)",
-        "settings.lspi.epsilon (1.0 there, 2.0 here)",
-        "old (1 there, None here)",
-        "new (None there, 2 here)",
-    ]
-    check_configuration(there, there, HERE)
-    with pytest.raises(
-        RunFolderError, match=r"runs/one contains a run with a different configuration: settings\.alpha"
-    ):
-        check_configuration(there, here, HERE)
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from interpreted import compiled_only
-from relforest.rl.checkpoint import METRIC_NAMES
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.settings import LSPISettings, RPISettings
+from relforest.runs.learner import METRIC_NAMES
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.locks import FolderLock
 from relforest.support.progress import Stage, listening
@@ -105,7 +105,7 @@ def test_callers_hear_of_every_iteration() -> None:
     heard: list[tuple[dict[str, Any], dict[str, float]]] = []
     found = agent().learn(1, 3, on_iteration=lambda row, seconds: heard.append((row, seconds)))
     assert [row for row, _ in heard] == found.metrics_
-    assert {name for _, seconds in heard for name in seconds} == {"learning", "testing", "writing"}
+    assert {name for _, seconds in heard for name in seconds} == {"learning", "testing"}
 
 
 def test_evaluation_is_greedy_and_repeatable(learned: SMRFRPI) -> None:
@@ -192,8 +192,8 @@ def test_loading_checks_files_and_world(learned: SMRFRPI, tmp_path: Path) -> Non
     learned.save(tmp_path)
     with pytest.raises(InputError, match="action types"):
         SMRFRPI.load(tmp_path, Picking())
-    (tmp_path / "policy.json").write_text("{", "utf-8")
-    with pytest.raises(ModelFormatError, match=r"policy\.json"):
+    (tmp_path / "checkpoint.json").write_text("{", "utf-8")
+    with pytest.raises(ModelFormatError, match=r"checkpoint\.json"):
         SMRFRPI.load(tmp_path, CorridorEnv())
 
 

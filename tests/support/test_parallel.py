@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import operator
 import os
 from typing import Any, Literal
 
@@ -89,3 +90,18 @@ def test_an_error_of_a_task_reaches_the_caller(n_jobs: int) -> None:
 def test_other_numbers_of_jobs_are_refused(n_jobs: object) -> None:
     with pytest.raises(InputError, match="n_jobs must be a positive integer, or -1 for all cores, got "):
         run_tasks(fail, [(1,)], n_jobs=n_jobs, prefer="threads")  # type: ignore[arg-type]  # hostile on purpose
+
+
+@pytest.mark.parametrize("prefer", ["threads", "processes"])
+@pytest.mark.parametrize("n_jobs", [1, 2])
+def test_a_result_may_continue_its_task(prefer: Literal["threads", "processes"], n_jobs: int) -> None:
+    taken: list[tuple[int, int]] = []
+
+    def double(number: int, result: int) -> tuple[int, int] | None:
+        taken.append((number, result))
+        return (result, 2) if result < 20 else None
+
+    results = run_tasks(operator.mul, [(1, 2), (3, 2), (50, 2)], n_jobs=n_jobs, prefer=prefer, then=double)
+
+    assert results == [32, 24, 100]
+    assert sorted(taken) == [(0, 2 * 2**k) for k in range(5)] + [(1, 6), (1, 12), (1, 24), (2, 100)]

@@ -92,9 +92,9 @@ def learn(options: LearnOptions) -> int:
     out = Path("runs") / options.task if options.out is None else options.out
     console = Console(stderr=True)
     with working("loading", console) as show:
-        from relforest.experiments.run_metrics import iterations_of
         from relforest.experiments.run_pictures import pictures_of
         from relforest.experiments.runs import learn_runs
+        from relforest.runs.store import iterations_of
 
         several = f"{options.runs} runs of " if options.runs > 1 else ""
         plural = "s" if options.iterations > 1 else ""
@@ -157,10 +157,10 @@ def _iteration_line(config: RunConfig, run: int, row: dict[str, Any], seconds: d
 
 def _result(config: RunConfig, folders: list[Path]) -> str:
     """Describe what was learned: all of a single run; of several, means and the trees of the first."""
-    from relforest.experiments.run_metrics import metrics_of
     from relforest.reports import run_report
     from relforest.reports.run_report import averages_table, metrics_table
-    from relforest.rl.checkpoint import METRIC_NAMES
+    from relforest.runs.learner import METRIC_NAMES
+    from relforest.runs.store import metrics_of
 
     # Only SMRF-RPI has trees and leaves.
     has_trees = config.is_relational

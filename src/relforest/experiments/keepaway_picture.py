@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.keepaway_policies import scene_decision
-from relforest.experiments.sarsa_folder import trained_team
+from relforest.experiments.sarsa import trained_team
 from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
 from relforest.rl.rollout import Environment
 from relforest.rl.rpi import SMRFRPI

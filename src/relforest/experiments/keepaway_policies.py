@@ -10,11 +10,12 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.experiments.sarsa_folder import CHECKPOINT, Team, trained_team
+from relforest.experiments.keepaway_team import Team
+from relforest.experiments.sarsa import is_run_of_sarsa, trained_team
 from relforest.rl.peers import TileCoding
-from relforest.rl.policy_file import POLICY
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.value import ValueFunction
+from relforest.runs.store import CHECKPOINT
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.worlds import environment_id
@@ -93,7 +94,8 @@ def learned_policy(folder: Path, keepers: int, takers: int) -> Decider:
     ModelFormatError
         If a file in it is damaged.
     """
-    if (folder / CHECKPOINT).exists():
+    has_run = (folder / CHECKPOINT).exists()
+    if has_run and is_run_of_sarsa(folder):
         team = trained_team(folder)
         if len(team) != keepers:
             raise InputError(
@@ -104,7 +106,7 @@ def learned_policy(folder: Path, keepers: int, takers: int) -> Decider:
             learned = takers + (there.n_variables - here) // 2
             raise InputError(f"{folder} was learned against {learned} takers, not {takers}: choose --takers")
         return TeamDecider(team)
-    if (folder / POLICY).exists():
+    if has_run:
         env = gymnasium.make(environment_id(_WORLD), disable_env_checker=True)
         return AgentDecider(SMRFRPI.load(folder, env).value_, keepers)
     if (folder / "run-00").is_dir():

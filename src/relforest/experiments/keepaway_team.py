@@ -52,15 +52,23 @@ def benchmark_team(
     return make_team(coding, options.keepers, settings, shared=shared, random_state=random_state)
 
 
-def frozen(team: Team, random_state: RandomState = None) -> Team:
-    """Return agents with the same weights that always take a best action and do not learn."""
-    seed = seed_sequence(random_state)
+def renewed(team: Team, random_state: RandomState = None, *, learn: bool) -> Team:
+    """Return agents with copies of the weights, shared as before, and new traces and random streams.
+
+    Parameters
+    ----------
+    team : sequence of SarsaLambda
+    random_state : int, SeedSequence, Generator or None
+    learn : bool
+        Whether they learn; otherwise they always take a best action.
+    """
+    seed, weights = seed_sequence(random_state), {id(agent.weights): agent.weights.copy() for agent in team}
     return [
         SarsaLambda(
             agent.features,
             agent.settings,
-            weights=agent.weights,
-            learn=False,
+            weights=weights[id(agent.weights)],
+            learn=learn,
             random_state=stream(seed, number),
         )
         for number, agent in enumerate(team)

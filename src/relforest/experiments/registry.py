@@ -79,6 +79,7 @@ _ALL: Final[tuple[Study[Any], ...]] = (
         corridor.compute,
         corridor.summarize,
         corridor.figures,
+        learned=corridor.learned,
     ),
     Study(
         "keepaway",

@@ -6,15 +6,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
-from relforest.experiments.identity import Identity
 from relforest.experiments.tasks import METHODS, Method, Task, task_named
 from relforest.rl.peers.settings import SarsaSettings
 from relforest.rl.settings import FEATURE_MODES, FeatureMode, RPISettings
+from relforest.runs.manifest import Manifest
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range, one_of
+from relforest.support.rng import seed_sequence, stream
 
 if TYPE_CHECKING:
     import gymnasium
+
+    from relforest.runs.learner import Learner
 
 RUN: Final = "run.json"
 FORMAT: Final = "relforest-run"
@@ -111,21 +114,46 @@ class RunConfig:
         settings = self.definition.settings if self.rpi is None else self.rpi
         return settings if self.features is None else replace(settings, features=self.features)
 
+    @property
+    def tests(self) -> int:
+        """Test episodes after each iteration."""
+        return self.episodes if self.test_episodes is None else self.test_episodes
+
     def make(self) -> gymnasium.Env[Any, Any]:
         """Return a new environment."""
         return self.definition.make(self.discount)
+
+    def learner(self, run: int, *, n_jobs: int = 1) -> Learner[Any]:
+        """Return what learns one of the runs; `n_jobs` candidate trees at the same time."""
+        seed = stream(seed_sequence(self.seed), run)
+        # Importing these takes long, and checking options does not need them.
+        if self.is_relational:
+            from relforest.rl.learner import RPILearner  # noqa: PLC0415
+
+            return RPILearner(self.make(), self.settings, seed, self.episodes, self.tests, n_jobs)
+        from relforest.experiments.sarsa import SarsaLearner  # noqa: PLC0415
+        from relforest.worlds.keepaway.options import KeepawayOptions  # noqa: PLC0415
+
+        return SarsaLearner(
+            KeepawayOptions(**self.definition.options),
+            self.sarsa or SarsaSettings(),
+            self.is_shared,
+            seed,
+            self.episodes,
+            self.tests,
+        )
 
     def folders(self, out: Path) -> list[Path]:
         """Return the folder of each run: `out` itself for a single one, else ``out/run-00`` and so on."""
         return [out] if self.runs == 1 else [out / f"run-{run:02d}" for run in range(self.runs)]
 
-    def identity(self, run: int | None = None) -> Identity:
+    def manifest(self, run: int | None = None) -> Manifest:
         """Return what the folder of one of several runs, or of all (None), depends on."""
         content: dict[str, Any] = {
             "task": self.task,
             "method": self.method,
             "episodes": self.episodes,
-            "test_episodes": self.episodes if self.test_episodes is None else self.test_episodes,
+            "test_episodes": self.tests,
             "iterations": self.iterations,
             "runs": self.runs,
             "seed": self.seed,
@@ -140,4 +168,4 @@ class RunConfig:
             content["sarsa"] = self.sarsa.to_dict()
         if run is not None and self.runs > 1:
             content["run"] = run
-        return Identity(RUN, FORMAT, content, growing="iterations")
+        return Manifest(RUN, FORMAT, content, growing="iterations")

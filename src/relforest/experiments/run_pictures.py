@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Final
 
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import checkpoint_of, metrics_of
 from relforest.reports.figure_files import save_figure
 from relforest.reports.learning_figure import reward_figure
+from relforest.runs.store import CHECKPOINT, metrics_of
 from relforest.support.parallel import one_blas_thread
 from relforest.support.progress import report
 
@@ -56,5 +56,5 @@ def pictures_of(config: RunConfig, out: Path) -> list[Path]:
 
 
 def _is_stale(picture: Path, folders: list[Path]) -> bool:
-    newest = max(checkpoint_of(folder).stat().st_mtime_ns for folder in folders)
+    newest = max((folder / CHECKPOINT).stat().st_mtime_ns for folder in folders)
     return not picture.exists() or picture.stat().st_mtime_ns < newest

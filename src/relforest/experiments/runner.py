@@ -1,26 +1,27 @@
 """Runs a study: settings in parallel, saving the rows of each as soon as it is done, then the summary.
 
-A study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting),
-and, derived from them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the
-whole study: settings that are not chosen may be computed later in the same folder.
+Settings are computed by worker processes, which return rows; only this process writes. A study's folder holds
+``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting), and, derived from
+them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the whole study: settings
+that are not chosen may be computed later in the same folder.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
-from relforest.experiments.folders import checked_folder, claimed
-from relforest.experiments.identity import Identity
+from relforest.experiments.runs import learn_in_folders
 from relforest.experiments.study import Obstacle, Place, Setting, Study, chosen_settings
 from relforest.experiments.table import Row, Table
-from relforest.experiments.watching import watching
 from relforest.reports.figure_files import save_figure
+from relforest.runs.manifest import Manifest, checked_folder, held
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
 from relforest.support.options import at_least
@@ -83,7 +84,7 @@ def run_study(
     checked_jobs(n_jobs)
     chosen = chosen_settings(study, settings, only or {})
     plain = [_plain(setting) for setting in settings]
-    identity = Identity(
+    manifest = Manifest(
         _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
     )
     files = {index: folder / _SETTINGS / f"{index:04d}.json" for index in chosen}
@@ -96,18 +97,34 @@ def run_study(
     announce = on_progress or _silent
     for line in notes:
         announce(line)
-    with claimed(folder, identity, is_finished=lambda: all(file.exists() for file in files.values())):
-        tasks = [
-            (study.compute, settings[index], Place(seed, index, folder), file)
-            for index, file in files.items()
-            if not file.exists()
-        ]
+    with held(folder, manifest, is_finished=lambda: all(file.exists() for file in files.values())):
         if (folder / _SETTINGS).is_dir():
             remove_temporary_files(folder / _SETTINGS)
-        if study.compiles and n_jobs != 1 and len(tasks) > 1:
+        left = [index for index, file in files.items() if not file.exists()]
+        places = {index: Place(seed, index, folder) for index in left}
+        if study.learned is not None:
+            runs = [study.learned(settings[index], places[index]) for index in left]
+            with ExitStack() as locks:
+                for run in runs:
+                    locks.enter_context(run.held())
+                learn_in_folders(runs, n_jobs=n_jobs)
+        elif study.compiles and n_jobs != 1 and len(left) > 1:
             _warm_up(study)
-        with watching(_announcer(study.name, {file: settings[i] for i, file in files.items()}, announce)):
-            run_tasks(_run_setting, tasks, n_jobs=n_jobs, prefer="processes")
+
+        def save(task: int, rows: list[Row]) -> None:
+            index = left[task]
+            header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
+            write_json(files[index], {**header, "setting": plain[index], "rows": rows})
+            done = sum(file.exists() for file in files.values())
+            announce(f"{study.name}: {done} of {len(files)} done ({settings[index]})")
+
+        run_tasks(
+            _rows_of,
+            [(study.compute, settings[index], places[index]) for index in left],
+            n_jobs=1 if study.learned else n_jobs,
+            prefer="processes",
+            then=save,
+        )
         table = Table.of(
             {"id": f"{study.name}/{index}/{seed}", **row}
             for index, file in files.items()
@@ -137,11 +154,9 @@ def _warm_up(study: Study[S]) -> None:
         study.compute(study.smoke[0], Place(0, 0, Path(folder)))
 
 
-def _run_setting(compute: Callable[[S, Place], list[Row]], setting: S, place: Place, file: Path) -> None:
+def _rows_of(compute: Callable[[S, Place], list[Row]], setting: S, place: Place) -> list[Row]:
     with part(str(setting)):
-        rows = compute(setting, place)
-    header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
-    write_json(file, {**header, "setting": _plain(setting), "rows": rows})
+        return compute(setting, place)
 
 
 def _read_rows(file: Path, setting: Mapping[str, Any]) -> list[Row]:
@@ -178,19 +193,3 @@ def _notes(obstacles: Collection[Obstacle]) -> list[str]:
 
 def _silent(_line: str) -> None:
     """Drop a line."""
-
-
-def _announcer(
-    name: str, settings: Mapping[Path, Setting], on_progress: Callable[[str], None]
-) -> Callable[[], None]:
-    """Return a function that announces the settings, by file, completed since its last call."""
-    pending = [file for file in settings if not file.exists()]
-
-    def announce() -> None:
-        for file in tuple(pending):
-            if file.exists():
-                pending.remove(file)
-                done = len(settings) - len(pending)
-                on_progress(f"{name}: {done} of {len(settings)} done ({settings[file]})")
-
-    return announce

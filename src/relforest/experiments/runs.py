@@ -1,31 +1,31 @@
 """The run folders of ``relforest learn``, resumed after any interruption.
 
-A run folder holds ``run.json`` (configuration, versions, seed; written first), what
-`relforest.rl.checkpoint` or, for Sarsa, `relforest.experiments.sarsa_folder` describes, and two pictures.
-With several runs, each has such a folder, and ``run.json`` and the pictures are in the folder around them.
+A run folder holds ``run.json`` (what was asked for, versions, seed; written first), what
+`relforest.runs.store` describes, and two pictures. With several runs, each has such a folder, and
+``run.json`` and the pictures are in the folder around them. Runs are learned by worker processes, an
+iteration at a time; only this process writes.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, final
 
-from relforest.experiments.folders import checked_folder, claimed
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import iterations_of, metrics_of
 from relforest.experiments.run_pictures import draw_runs
-from relforest.experiments.sarsa_runs import learn_sarsa_run
-from relforest.experiments.watching import watching
-from relforest.rl.rpi import SMRFRPI
-from relforest.support.parallel import checked_jobs, run_tasks
+from relforest.runs.learner import Row, Run, Seconds, advance
+from relforest.runs.manifest import checked_folder, held
+from relforest.runs.store import RunStore, iterations_of
+from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
 from relforest.support.progress import part
-from relforest.support.rng import seed_sequence, stream
 
-OnIteration: TypeAlias = Callable[[int, dict[str, Any], dict[str, float]], None]
+OnIteration: TypeAlias = Callable[[int, Row, Seconds], None]
+_Task: TypeAlias = tuple[RunConfig, int, Run[Any] | None, int]
 
 
 def learn_runs(
@@ -47,9 +47,8 @@ def learn_runs(
         Runs learned at the same time, in processes, or candidate trees of a single run, in threads; -1 = all
         cores. The result does not depend on it.
     on_iteration : callable, optional
-        Called as ``on_iteration(run, row, seconds)`` after each new iteration of each run: `row` is a line of
-        ``metrics.jsonl``, `seconds` the time of each step. Iterations of other processes arrive with a delay
-        and without seconds.
+        Called as ``on_iteration(run, row, seconds)`` after each new iteration of each run, once it is on
+        disk: `row` is a line of ``metrics.jsonl``, `seconds` the time of each step.
 
     Returns
     -------
@@ -66,106 +65,84 @@ def learn_runs(
     """
     checked_jobs(n_jobs)
     folder = checked_folder(out)
-    folders = config.folders(folder)
-    if config.runs == 1:
-        learn_run(config, 0, folder, n_jobs=n_jobs, on_iteration=on_iteration)
-        # Learning locks the folder itself; drawing must not meet another process either.
-        with claimed(folder, config.identity(), is_finished=lambda: _is_finished(config, folders)):
-            draw_runs(config, folder)
-        return folders
-    with claimed(folder, config.identity(), is_finished=lambda: _is_finished(config, folders)):
-        _learn_many(config, folders, n_jobs, on_iteration)
+    runs = [RunInFolder(config, number, path) for number, path in enumerate(config.folders(folder))]
+    with ExitStack() as locks:
+        if len(runs) > 1:
+            are_finished = partial(all, [run.is_finished for run in runs])
+            locks.enter_context(held(folder, config.manifest(), is_finished=are_finished))
+        for run in runs:
+            locks.enter_context(run.held())
+        learn_in_folders(runs, n_jobs=n_jobs, on_iteration=on_iteration)
         draw_runs(config, folder)
-    return folders
+    return [run.folder for run in runs]
 
 
-def learn_run(
-    config: RunConfig,
-    run: int,
-    folder: Path,
+@final
+@dataclass(frozen=True, slots=True)
+class RunInFolder:
+    """One of the runs of a configuration, and its folder."""
+
+    config: RunConfig
+    number: int
+    folder: Path
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether it has all its iterations."""
+        return iterations_of(self.folder) >= self.config.iterations
+
+    def held(self) -> AbstractContextManager[None]:
+        """Lock the folder for this run."""
+        return held(self.folder, self.config.manifest(self.number), is_finished=lambda: self.is_finished)
+
+
+def learn_in_folders(
+    runs: Sequence[RunInFolder],
     *,
     n_jobs: int = 1,
     on_iteration: OnIteration | None = None,
 ) -> None:
-    """Learn one of the runs of a configuration in its own folder, without drawing pictures.
+    """Learn or resume runs in folders that the caller holds; see `learn_runs`."""
+    stores = [RunStore(run.folder, run.config.learner(run.number)) for run in runs]
+    before = [store.resume() for store in stores]
+    left = [
+        number
+        for number, (run, progress) in enumerate(zip(runs, before, strict=True))
+        if progress is None or progress.iteration < run.config.iterations
+    ]
+    alone = len(left) == 1
+    if n_jobs != 1 and not alone and left:
+        warm_up(runs[left[0]].config)
 
-    Parameters and errors are those of `learn_runs`, `run` is its number.
-    """
-    report = None
-    if on_iteration is not None:
-        announce = on_iteration
+    def commit(task: int, result: tuple[Run[Any], Seconds]) -> _Task | None:
+        (progress, seconds), run = result, runs[left[task]]
+        stores[left[task]].write(progress, seconds)
+        if on_iteration is not None:
+            on_iteration(run.number, dict(progress.metrics[-1]), seconds)
+        return None if progress.iteration >= run.config.iterations else task_of(run, progress)
 
-        def report(row: dict[str, Any], seconds: dict[str, float]) -> None:
-            announce(run, row, seconds)
+    def task_of(run: RunInFolder, progress: Run[Any] | None) -> _Task:
+        return run.config, run.number, progress, n_jobs if alone else 1
 
-    identity = config.identity(run)
-    with claimed(folder, identity, is_finished=lambda: _is_finished(config, [folder])):
-        pass
-    if not config.is_relational:
-        learn_sarsa_run(config, run, folder, report)
-        return
-    agent = SMRFRPI(
-        config.make(),
-        settings=config.settings,
-        random_state=stream(seed_sequence(config.seed), run),
+    run_tasks(
+        _advance,
+        [task_of(runs[number], before[number]) for number in left],
         n_jobs=n_jobs,
-        checkpoint=folder,
+        prefer="processes",
+        then=commit,
     )
-    agent.learn(config.iterations, config.episodes, test_episodes=config.test_episodes, on_iteration=report)
 
 
 def warm_up(config: RunConfig) -> None:
     """Compile everything that learning needs, so that processes started later find it in the cache."""
-    with part("first a small run"):
-        if config.is_relational:
-            agent = SMRFRPI(config.make(), settings=config.settings, random_state=0)
-            agent.learn(1, 20, test_episodes=1)
-        else:
-            with TemporaryDirectory() as folder:
-                learn_sarsa_run(replace(config, episodes=1, iterations=1), 0, Path(folder))
+    learner = replace(config, episodes=20, test_episodes=1, seed=0).learner(0)
+    with part("first a small run"), one_blas_thread():
+        advance(learner, advance(learner, None)[0])
 
 
-def _learn_many(
-    config: RunConfig, folders: list[Path], n_jobs: int, on_iteration: OnIteration | None
-) -> None:
-    tasks = list(enumerate(folders))
-    unfinished = [(run, folder) for run, folder in tasks if not _is_finished(config, [folder])]
-    if n_jobs == 1 or len(unfinished) < 2:
-        for run, folder in tasks:
-            _learn_named(config, run, folder, on_iteration)
-        return
-    warm_up(config)
-    with watching(_announcer(dict(unfinished), on_iteration)):
-        run_tasks(
-            _learn_named,
-            [(config, run, folder, None) for run, folder in tasks],
-            n_jobs=n_jobs,
-            prefer="processes",
-        )
-
-
-def _learn_named(config: RunConfig, run: int, folder: Path, on_iteration: OnIteration | None) -> None:
-    with part(f"run {run}"):
-        learn_run(config, run, folder, on_iteration=on_iteration)
-
-
-def _is_finished(config: RunConfig, folders: list[Path]) -> bool:
-    return all(iterations_of(folder) >= config.iterations for folder in folders)
-
-
-def _announcer(folders: dict[int, Path], on_iteration: OnIteration | None) -> Callable[[], None]:
-    """Return a function that announces the iterations completed since its last call."""
-    if on_iteration is None:
-        return lambda: None
-    on_new = on_iteration
-    known = {run: iterations_of(folder) for run, folder in folders.items()}
-
-    def announce() -> None:
-        for run, folder in folders.items():
-            if iterations_of(folder) > known[run]:
-                new = metrics_of(folder)[known[run] + 1 :]
-                known[run] += len(new)
-                for row in new:
-                    on_new(run, row, {})
-
-    return announce
+def _advance(
+    config: RunConfig, number: int, progress: Run[Any] | None, n_jobs: int
+) -> tuple[Run[Any], Seconds]:
+    """Return one of the runs after its next iteration, in any process."""
+    with part(f"run {number}") if config.runs > 1 else nullcontext():
+        return advance(config.learner(number, n_jobs=n_jobs), progress)

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from relforest.experiments.claims import Findings
+from relforest.experiments.runs import RunInFolder
 from relforest.experiments.table import Row, Table
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
@@ -88,8 +89,8 @@ class Study(Generic[S]):
     smoke : tuple
         A small version that runs the same code in seconds.
     compute : callable
-        Turns a setting into rows. It must be a function of a module, draw its random numbers from
-        `Place.stream` or `Place.seed`, and resume after an interruption if it takes long.
+        Turns a setting into rows. It must be a function of a module, and draw its random numbers from
+        `Place.stream` or `Place.seed`.
     summarize : callable
         Turns the table of all rows into findings.
     figures : callable
@@ -102,6 +103,9 @@ class Study(Generic[S]):
         returns the value of a setting.
     obstacles : callable, optional
         Returns those of the given settings that cannot be computed here, each with the reason.
+    learned : callable, optional
+        For a study of learners: the run that a setting is about, in a folder below that of the study. It is
+        learned, or resumed, before `compute` turns what is in its folder into rows.
     """
 
     name: str
@@ -114,6 +118,7 @@ class Study(Generic[S]):
     compiles: bool = True
     choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
     obstacles: Callable[[Sequence[S]], Mapping[S, Obstacle]] | None = None
+    learned: Callable[[S, Place], RunInFolder] | None = None
 
 
 def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, Sequence[str]]) -> list[int]:

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from relforest.reports.learning_figure import mean_and_deviation
-from relforest.rl.checkpoint import CHECKPOINT, FORMAT, METRIC_NAMES, VERSION, checked_metrics
-from relforest.rl.policy_file import read_policy
+from relforest.rl.policy_json import policy_of
 from relforest.rl.value import ValueFunction
-from relforest.support.documents import well_formed
-from relforest.support.files import read_json
+from relforest.runs.learner import METRIC_NAMES
+from relforest.runs.store import read_checkpoint
 from relforest.trees.text import describe
 
 
@@ -22,18 +21,16 @@ def run_report(folder: str | PathLike[str]) -> str:
     Parameters
     ----------
     folder : path
-        The folder of a single run, see `relforest.rl.checkpoint`.
+        The folder of a single run, see `relforest.runs.store`.
 
     Raises
     ------
     ModelFormatError
         If a file is missing or malformed.
     """
-    path = Path(folder) / CHECKPOINT
-    document = read_json(path, format=FORMAT, version=VERSION)
-    with well_formed(f"{path} is damaged"):
-        metrics = checked_metrics(document.get("metrics"))
-    return f"{metrics_table(metrics)}\n\n{trees_in_words(read_policy(folder))}"
+    checkpoint = read_checkpoint(folder)
+    value, _ = policy_of(checkpoint.document, Path(folder))
+    return f"{metrics_table(checkpoint.metrics)}\n\n{trees_in_words(value)}"
 
 
 def metrics_table(rows: Iterable[Mapping[str, Any]], names: Sequence[str] = METRIC_NAMES) -> str:

@@ -1,4 +1,4 @@
-"""Everything that the result of a run depends on, as plain JSON values, and its comparison."""
+"""Everything that the result of a run depends on, as plain JSON values, and back."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from relforest.rl.rollout import Environment, world_of
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
 from relforest.support.documents import well_formed
-from relforest.support.errors import InputError, RunFolderError
+from relforest.support.errors import InputError
 
 
 def describe_run(
@@ -21,7 +21,7 @@ def describe_run(
     """Return the configuration of a run; `episodes` are training and test episodes per iteration."""
     world = world_of(env)
     return {
-        "random_state": _seed_to_dict(seed),
+        "random_state": seed_to_dict(seed),
         "episodes": episodes[0],
         "test_episodes": episodes[1],
         "settings": settings.to_dict(),
@@ -33,8 +33,10 @@ def describe_run(
     }
 
 
-def restore_run(configuration: Mapping[str, Any], folder: Path) -> tuple[np.random.SeedSequence, RPISettings]:
-    """Return the seed and the settings of a stored configuration.
+def restore_run(
+    configuration: Mapping[str, Any], folder: Path
+) -> tuple[np.random.SeedSequence, RPISettings, tuple[int, int]]:
+    """Return the seed, the settings and the episodes of a stored configuration; see `describe_run`.
 
     Raises
     ------
@@ -44,23 +46,8 @@ def restore_run(configuration: Mapping[str, Any], folder: Path) -> tuple[np.rand
     with well_formed(f"the checkpoint in {folder} is damaged"):
         stored = configuration["random_state"]
         seed = np.random.SeedSequence(stored["entropy"], spawn_key=tuple(stored["spawn_key"]))
-        return seed, RPISettings.from_dict(configuration["settings"])
-
-
-def check_configuration(there: Mapping[str, Any], here: Mapping[str, Any], folder: Path) -> None:
-    """Check that a run folder contains the run that is about to be continued.
-
-    Raises
-    ------
-    RunFolderError
-        If it does not; the message names every difference.
-    """
-    differing = differences(there, here)
-    if differing:
-        raise RunFolderError(
-            f"{folder} contains a run with a different configuration: {'; '.join(differing)}; "
-            "choose another folder, or use the configuration of that run"
-        )
+        episodes = int(configuration["episodes"]), int(configuration["test_episodes"])
+        return seed, RPISettings.from_dict(configuration["settings"]), episodes
 
 
 def check_world(value: ValueFunction, env: Environment) -> None:
@@ -85,17 +72,8 @@ def check_world(value: ValueFunction, env: Environment) -> None:
         )
 
 
-def differences(there: object, here: object, name: str = "") -> list[str]:
-    """Return the differences between two configurations, such as ``episodes (500 there, 10 here)``."""
-    if isinstance(there, Mapping) and isinstance(here, Mapping):
-        found: list[str] = []
-        for key in dict.fromkeys([*there, *here]):
-            found += differences(there.get(key), here.get(key), f"{name}.{key}" if name else str(key))
-        return found
-    return [] if there == here else [f"{name} ({there!r} there, {here!r} here)"]
-
-
-def _seed_to_dict(seed: np.random.SeedSequence) -> dict[str, Any]:
+def seed_to_dict(seed: np.random.SeedSequence) -> dict[str, Any]:
+    """Return what identifies a stream of random numbers, as plain JSON values."""
     entropy = seed.entropy
     words = entropy if isinstance(entropy, int) else [int(word) for word in np.ravel(np.asarray(entropy))]
     return {"entropy": words, "spawn_key": [int(word) for word in seed.spawn_key]}

@@ -1,39 +1,31 @@
-"""SMRF-RPI: an agent that repeatedly gathers experience and learns trees and a policy from it.
-
-This is the experience loop of Palmer (2015), Algorithm 6.1; `relforest.rl.rounds` is the loop inside it.
-"""
+"""SMRF-RPI for users: an agent that learns in a world, in memory or in a run folder."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from time import perf_counter
-from typing import Any, final
+from pathlib import Path
+from typing import final
 
-from relforest.rl.checkpoint import TIMINGS, Progress, Row, RunFolder
-from relforest.rl.configuration import check_configuration, check_world, describe_run, restore_run
+from relforest.rl.configuration import check_world, restore_run
 from relforest.rl.experience import Experience
-from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
-from relforest.rl.policy_file import check_policy, slugs, tree_name
+from relforest.rl.learner import Knowledge, RPILearner
+from relforest.rl.policy import GreedyPolicy
 from relforest.rl.rollout import Environment, rollout, world_of
-from relforest.rl.rounds import improve
-from relforest.rl.samples import draw_samples
 from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction, action_schemas
+from relforest.rl.value import ValueFunction
+from relforest.runs.learner import Row, Run, Seconds, advance
+from relforest.runs.store import CHECKPOINT, RunStore, read_checkpoint, read_run
 from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError, RunFolderError
-from relforest.support.files import append_line
 from relforest.support.locks import FolderLock
 from relforest.support.options import at_least
 from relforest.support.parallel import checked_jobs, one_blas_thread
-from relforest.support.progress import part, printed_to_stderr, report
-from relforest.support.rng import RandomState, seed_sequence, stream
+from relforest.support.progress import printed_to_stderr
+from relforest.support.rng import RandomState, seed_sequence
 
-_TRAINING, _TESTING, _SAMPLING, _LEARNING = 0, 1, 2, 3
-
-Timings = dict[str, float]
-OnIteration = Callable[[Row, Timings], None]
+OnIteration = Callable[[Row, Seconds], None]
 
 
 @final
@@ -107,32 +99,35 @@ class SMRFRPI:
         if settings is not None and not isinstance(settings, RPISettings):
             raise InputError(f"settings must be RPISettings(...), got {settings!r}")
         checked_jobs(n_jobs)
-        world = world_of(env)
+        world_of(env)
         self.env = env
         self.settings = settings or RPISettings()
         self.n_jobs = n_jobs
         self.verbose = verbose
         self._seed = seed_sequence(random_state)
         self._adopts_seed = random_state is None
-        self._folder = None if checkpoint is None else RunFolder(checkpoint)
-        value = ValueFunction.zero(world.schema, world.action_types, self.settings.features)
-        self._progress = Progress(value, ((),) * len(world.action_types), (), ())
-        self._configuration: dict[str, Any] | None = None
+        self._folder = None if checkpoint is None else Path(checkpoint)
+        self._learner = RPILearner(env, self.settings, self._seed, 0, 0, n_jobs)
+        self._run: Run[Knowledge] | None = None
 
     @property
     def value_(self) -> ValueFunction:
         """The action-value function learned so far."""
-        return self._progress.value
+        return self._state.value
 
     @property
     def metrics_(self) -> list[Row]:
-        """A row per iteration, with the keys `checkpoint.METRIC_NAMES`; row 0 = before learning."""
-        return [dict(row) for row in self._progress.metrics]
+        """A row per iteration, with the keys `relforest.runs.METRIC_NAMES`; row 0 = before learning."""
+        return [] if self._run is None else [dict(row) for row in self._run.metrics]
 
     @property
     def experience_(self) -> tuple[Experience, ...]:
         """The batches of training experience, one per iteration."""
-        return self._progress.batches
+        return self._state.batches
+
+    @property
+    def _state(self) -> Knowledge:
+        return self._learner.start() if self._run is None else self._run.state
 
     def learn(
         self,
@@ -175,16 +170,18 @@ class SMRFRPI:
         iterations = at_least("iterations", iterations, 1)
         episodes = at_least("episodes", episodes, 1)
         test_episodes = episodes if test_episodes is None else at_least("test_episodes", test_episodes, 1)
+        self._learner = replace(self._learner, episodes=episodes, test_episodes=test_episodes)
         with printed_to_stderr(self.verbose), one_blas_thread():
             if self._folder is None:
-                self._configuration = describe_run(
-                    self.env, self.settings, self._seed, (episodes, test_episodes)
-                )
-                self._advance(iterations, episodes, test_episodes, on_iteration)
+                self._advance(iterations, None, on_iteration)
                 return self
-            with FolderLock(self._folder.path):
-                self._resume(self._folder, episodes, test_episodes)
-                self._advance(iterations, episodes, test_episodes, on_iteration)
+            with FolderLock(self._folder):
+                if self._adopts_seed and (self._folder / CHECKPOINT).exists():
+                    self._seed = restore_run(read_checkpoint(self._folder).configuration, self._folder)[0]
+                    self._learner = replace(self._learner, seed=self._seed)
+                store = RunStore(self._folder, self._learner)
+                self._run = store.resume()
+                self._advance(iterations, store, on_iteration)
         return self
 
     def evaluate(self, env: Environment, episodes: int = 100, seed: RandomState = None) -> Evaluation:
@@ -204,9 +201,9 @@ class SMRFRPI:
         InputError
             If the world has other attributes or action types.
         """
-        check_world(self._progress.value, env)
+        check_world(self.value_, env)
         with printed_to_stderr(self.verbose), one_blas_thread():
-            played = rollout(env, GreedyPolicy(self._progress.value), episodes, seed_sequence(seed))
+            played = rollout(env, GreedyPolicy(self.value_), episodes, seed_sequence(seed))
         return Evaluation(played.episode_rewards, played.episode_durations)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -224,22 +221,19 @@ class SMRFRPI:
         RunFolderError
             If the folder is in use, or contains another run, a later stage of this one or foreign files.
         """
-        if self._configuration is None:
+        if self._run is None:
             raise InputError("nothing has been learned yet: call learn first")
-        target = RunFolder(path)
+        store = RunStore(path, self._learner)
         # Before the lock too, because taking it makes a file.
-        _ = target.holds_run
+        _ = store.holds_run
         with FolderLock(path):
-            if target.holds_run:
-                found, configuration = target.read()
-                check_configuration(configuration, self._configuration, target.path)
-                if found.iteration > self._progress.iteration:
-                    raise RunFolderError(
-                        f"{path} contains this run at iteration {found.iteration}, later than the agent's "
-                        f"{self._progress.iteration}; choose another folder"
-                    )
-            target.write(self._progress, self._configuration)
-            target.repair(self._progress)
+            found = store.resume()
+            if found is not None and found.iteration > self._run.iteration:
+                raise RunFolderError(
+                    f"{path} contains this run at iteration {found.iteration}, later than the agent's "
+                    f"{self._run.iteration}; choose another folder"
+                )
+            store.write(self._run)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], env: Environment) -> SMRFRPI:
@@ -265,94 +259,21 @@ class SMRFRPI:
         InputError
             If the world has other attributes or action types.
         """
-        stored = RunFolder(path)
-        progress, configuration = stored.read()
-        check_policy(path)
-        check_world(progress.value, env)
-        seed, settings = restore_run(configuration, stored.path)
+        folder, checkpoint = Path(path), read_checkpoint(path)
+        seed, settings, episodes = restore_run(checkpoint.configuration, folder)
         agent = cls(env, settings=settings, random_state=seed)
-        agent._progress, agent._configuration = progress, configuration
+        agent._learner = replace(agent._learner, episodes=episodes[0], test_episodes=episodes[1])
+        agent._run = read_run(agent._learner, checkpoint, folder)
+        check_world(agent.value_, env)
         return agent
 
-    def _resume(self, folder: RunFolder, episodes: int, test_episodes: int) -> None:
-        """Load the run folder, after checking that it contains the same run."""
-        if not folder.holds_run:
-            self._configuration = describe_run(self.env, self.settings, self._seed, (episodes, test_episodes))
-            return
-        progress, configuration = folder.read()
-        if self._adopts_seed:
-            self._seed = restore_run(configuration, folder.path)[0]
-        self._configuration = describe_run(self.env, self.settings, self._seed, (episodes, test_episodes))
-        check_configuration(configuration, self._configuration, folder.path)
-        check_world(progress.value, self.env)
-        folder.repair(progress)
-        self._progress = progress
-
     def _advance(
-        self, iterations: int, episodes: int, test_episodes: int, on_iteration: OnIteration | None
+        self, iterations: int, store: RunStore[Knowledge] | None, on_iteration: OnIteration | None
     ) -> None:
-        while self._progress.iteration < iterations:
-            number = self._progress.iteration + 1
-            begin = perf_counter()
-            with part(f"iteration {number}"):
-                progress = self._progress if number == 0 else self._iterate(number, episodes)
-                learned = perf_counter()
-                progress = self._measure(progress, number, test_episodes)
-            tested = perf_counter()
-            if self._folder is not None and self._configuration is not None:
-                self._folder.write(progress, self._configuration)
-            self._progress = progress
-            seconds = {
-                "learning": learned - begin,
-                "testing": tested - learned,
-                "writing": perf_counter() - tested,
-            }
-            if self._folder is not None:
-                pairs = ", ".join(f'"{name}": {time:.6f}' for name, time in seconds.items())
-                append_line(self._folder.path / TIMINGS, f'{{"iteration": {number}, {pairs}}}')
+        while self._run is None or self._run.iteration < iterations:
+            run, seconds = advance(self._learner, self._run)
+            if store is not None:
+                store.write(run, seconds)
+            self._run = run
             if on_iteration is not None:
-                on_iteration(dict(progress.metrics[-1]), seconds)
-
-    def _iterate(self, number: int, episodes: int) -> Progress:
-        """Gain training experience and learn from it."""
-        before, settings, seed = self._progress, self.settings, stream(self._seed, number)
-        world = world_of(self.env)
-        policy: Policy = RandomPolicy()
-        if number > 1:
-            policy = EpsilonGreedyPolicy(GreedyPolicy(before.value), settings.epsilon)
-        with part("training"):
-            batches = (*before.batches, rollout(self.env, policy, episodes, stream(seed, _TRAINING)))
-        report("collecting samples")
-        samples = draw_samples(
-            batches,
-            action_schemas(world.schema, world.action_types),
-            discount=world.discount,
-            max_samples=settings.max_samples,
-            bootstrap_on_truncation=settings.bootstrap_on_truncation,
-            seed=stream(seed, _SAMPLING),
-        )
-        value = improve(
-            before.value, samples, settings=settings, seed=stream(seed, _LEARNING), n_jobs=self.n_jobs
-        )
-        names = tuple(
-            (*old, *(tree_name(number, slug, i + 1) for i in range(len(trees) - len(old))))
-            for old, slug, trees in zip(
-                before.tree_names, slugs(world.action_types), value.forests, strict=True
-            )
-        )
-        return replace(before, value=value, tree_names=names, batches=batches)
-
-    def _measure(self, progress: Progress, number: int, test_episodes: int) -> Progress:
-        """Append the row of an iteration, measured by test episodes."""
-        seed = stream(self._seed, number, _TESTING)
-        with part("testing"):
-            tested = rollout(self.env, GreedyPolicy(progress.value), test_episodes, seed)
-        trained = progress.batches[-1].episode_rewards if number > 0 else None
-        row = {
-            "iteration": number,
-            "test_reward": float(tested.episode_rewards.mean()),
-            "train_reward": None if trained is None else float(trained.mean()),
-            "trees": progress.value.n_trees,
-            "leaves": progress.value.n_leaves,
-        }
-        return replace(progress, metrics=(*progress.metrics, row))
+                on_iteration(dict(run.metrics[-1]), seconds)

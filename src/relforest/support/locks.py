@@ -13,7 +13,7 @@ from weakref import WeakSet
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.files import make_folder
 
-_LOCK_NAME: Final = ".lock"
+LOCK: Final = ".lock"
 _LONGEST_PID: Final = 32
 
 
@@ -77,7 +77,7 @@ class FolderLock:
     def _open(self) -> int:
         try:
             make_folder(self._folder)
-            return os.open(self._folder / _LOCK_NAME, os.O_RDWR | os.O_CREAT, 0o666)
+            return os.open(self._folder / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
         except (OSError, InputError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise RunFolderError(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextvars import copy_context
-from typing import Literal, TypeVar, TypeVarTuple
+from typing import Any, Literal, TypeVar, TypeVarTuple
 
 import joblib
 from joblib.parallel import LokyBackend, get_active_backend
@@ -26,6 +26,7 @@ def run_tasks(
     *,
     n_jobs: int = 1,
     prefer: Literal["threads", "processes"],
+    then: Callable[[int, Result], tuple[*Arguments] | None] | None = None,
 ) -> list[Result]:
     """Call ``function(*task)`` for every task and return the results in the order of the tasks.
 
@@ -44,6 +45,11 @@ def run_tasks(
         Threads suit functions that spend their time in kernels. Processes end with this one, however it ends.
         An active ``joblib.parallel_config`` with another backend, such as Dask's, overrides the choice.
 
+    then : callable, optional
+        Called as ``then(number, result)`` in this process as soon as a task is done, for example to save its
+        result. A task that it returns continues the work with the same number, and its result replaces the
+        earlier one.
+
     Returns
     -------
     list
@@ -58,19 +64,50 @@ def run_tasks(
     Reports of the tasks (`relforest.support.progress`) reach the listener of the caller.
     """
     n_jobs = checked_jobs(n_jobs)
+    results: list[Any] = [None] * len(tasks)
+
+    def finish(number: int, result: Result) -> tuple[Any, ...] | None:
+        results[number] = result
+        more = None if then is None else then(number, result)
+        return None if more is None else (function, *more)
+
     with one_blas_thread():
-        if n_jobs == 1 or len(tasks) < 2:
-            return [function(*task) for task in tasks]
-        calls = [(function, task) for task in tasks]
+        left: dict[int, tuple[Any, ...]] = {number: (function, *task) for number, task in enumerate(tasks)}
         backend, _ = get_active_backend(prefer=prefer)
-        if isinstance(backend, LokyBackend):
-            return run_in_processes(_single_threaded, calls, min(n_jobs, len(tasks)))
-        if getattr(backend, "supports_sharedmem", False):
-            # Threads do not inherit the listener of reports, and each needs a context of its own.
-            jobs = [joblib.delayed(copy_context().run)(_single_threaded, *call) for call in calls]
+        if n_jobs == 1 or len(tasks) < 2:
+            for number, first in left.items():
+                call: tuple[Any, ...] | None = first
+                while call is not None:
+                    call = finish(number, call[0](*call[1:]))
+        elif isinstance(backend, LokyBackend):
+            run_in_processes(_single_threaded, list(left.values()), min(n_jobs, len(tasks)), finish)
         else:
-            jobs = [joblib.delayed(_single_threaded)(*call) for call in calls]
-        return list(joblib.Parallel(n_jobs=n_jobs, prefer=prefer)(jobs))
+            while left:
+                left = _round(
+                    left, finish, n_jobs, prefer, shared=getattr(backend, "supports_sharedmem", False)
+                )
+    return results
+
+
+def _round(
+    calls: Mapping[int, tuple[Any, ...]],
+    finish: Callable[[int, Any], tuple[Any, ...] | None],
+    n_jobs: int,
+    prefer: str,
+    *,
+    shared: bool,
+) -> dict[int, tuple[Any, ...]]:
+    """Run calls by joblib, and return how their tasks continue."""
+    jobs = [
+        # Threads do not inherit the listener of reports, and each needs a context of its own.
+        joblib.delayed(copy_context().run)(_numbered, number, *call)
+        if shared
+        else joblib.delayed(_numbered)(number, *call)
+        for number, call in calls.items()
+    ]
+    parallel = joblib.Parallel(n_jobs=n_jobs, prefer=prefer, return_as="generator_unordered")
+    more = {number: finish(number, result) for number, result in parallel(jobs)}
+    return {number: call for number, call in sorted(more.items()) if call is not None}
 
 
 def checked_jobs(n_jobs: object) -> int:
@@ -83,7 +120,11 @@ def checked_jobs(n_jobs: object) -> int:
         raise InputError(f"n_jobs must be a positive integer, or -1 for all cores, got {n_jobs!r}") from None
 
 
-def _single_threaded(function: Callable[[*Arguments], Result], task: tuple[*Arguments]) -> Result:
+def _numbered(number: int, *call: Any) -> tuple[int, Any]:  # noqa: ANN401 - any task
+    return number, _single_threaded(*call)
+
+
+def _single_threaded(function: Callable[..., Any], *task: Any) -> Any:  # noqa: ANN401 - any task
     # A worker process does not inherit the limit that its parent set.
     with one_blas_thread():
         return function(*task)

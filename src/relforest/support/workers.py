@@ -69,10 +69,14 @@ def start(
 
 
 def run_in_processes(
-    function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], n_workers: int
+    function: Callable[..., Any],
+    tasks: Sequence[tuple[Any, ...]],
+    n_workers: int,
+    then: Callable[[int, Any], tuple[Any, ...] | None] = lambda _number, _result: None,
 ) -> list[Any]:
     """Call ``function(*task)`` for every task in `n_workers` processes, and return the results in order.
 
+    Whatever ``then(number, result)`` returns in this process continues the task in the same worker.
     Reports of the tasks (`relforest.support.progress`) are passed on. The first error of a task is raised at
     once and ends the other tasks.
 
@@ -87,13 +91,16 @@ def run_in_processes(
     with _pool(n_workers) as workers:
         busy: dict[Any, tuple[_Worker, int]] = {}
 
+        def give(worker: _Worker, task: tuple[Any, ...]) -> None:
+            worker.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
+
         def occupy(worker: _Worker) -> None:
             number, task = next(waiting, (-1, ()))
             if number < 0:
                 report_stage(Stage("waiting for the others", source=worker.number))
                 return
             busy[worker.connection] = worker, number
-            worker.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
+            give(worker, task)
 
         for worker in workers:
             occupy(worker)
@@ -107,8 +114,12 @@ def run_in_processes(
                     raise message.error
                 else:
                     results[number] = message.value
-                    del busy[connection]
-                    occupy(worker)
+                    more = then(number, message.value)
+                    if more is None:
+                        del busy[connection]
+                        occupy(worker)
+                    else:
+                        give(worker, more)
     return results
 
 

@@ -2,10 +2,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from relforest.experiments.run_metrics import metrics_of
+
 from relforest.experiments.corridor.run import compute, seed_of
 from relforest.experiments.corridor.settings import CONDITIONS, SETTINGS, CorridorSetting
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import metrics_of
 from relforest.experiments.runs import learn_runs
 from relforest.experiments.study import Place
 

@@ -1,5 +1,5 @@
 from .analysis import figures, summarize
-from .run import compute
+from .run import compute, learned
 from .settings import SETTINGS, SMOKE
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "learned", "summarize"]

@@ -6,17 +6,15 @@ import numpy as np
 
 from relforest.experiments.corridor.settings import CONDITIONS, CorridorSetting
 from relforest.experiments.run_config import RunConfig
-from relforest.experiments.run_metrics import metrics_of
-from relforest.experiments.runs import learn_run
+from relforest.experiments.runs import RunInFolder
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
+from relforest.runs.store import metrics_of
 from relforest.support.rng import seed_sequence, stream
 
 
-def compute(setting: CorridorSetting, place: Place) -> list[Row]:
-    """Learn the run in its own folder, or continue it, and return its metrics.
-
-    The columns are condition, run, and those of ``metrics.jsonl``; iteration 0 is before learning.
+def learned(setting: CorridorSetting, place: Place) -> RunInFolder:
+    """Return the run that a setting is about.
 
     References
     ----------
@@ -31,8 +29,13 @@ def compute(setting: CorridorSetting, place: Place) -> list[Row]:
         features=setting.features,
     )
     folder = place.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
-    learn_run(config, setting.run, folder)
-    return [{"condition": setting.condition, "run": setting.run, **row} for row in metrics_of(folder)]
+    return RunInFolder(config, setting.run, folder)
+
+
+def compute(setting: CorridorSetting, place: Place) -> list[Row]:
+    """Return the metrics of the run: condition, run, and the columns of ``metrics.jsonl``."""
+    metrics = metrics_of(learned(setting, place).folder)
+    return [{"condition": setting.condition, "run": setting.run, **row} for row in metrics]
 
 
 def seed_of(condition: str, seed: int) -> int:

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Final, final
 
 from relforest.experiments.resume.settings import PARENT, ResumeSetting
-from relforest.experiments.run_metrics import iterations_of
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
+from relforest.runs.store import iterations_of
 from relforest.support.errors import InputError, RelforestError, RunFolderError
 from relforest.support.files import read_input
 from relforest.support.locks import FolderLock

@@ -48,6 +48,17 @@ def write_team(folder: str | os.PathLike[str], team: Sequence[SarsaLambda[Any]])
     InputError
         If the team is empty, or the agents differ in more than their weights.
     """
+    document, arrays = describe_team(team)
+    name = document["weights"]
+    write_npz(Path(folder) / name, arrays)
+    write_json(Path(folder) / MODEL, document)
+    for path in sorted(Path(folder).iterdir()):
+        if _WEIGHTS_FILE.fullmatch(path.name) and path.name != name:
+            path.unlink()
+
+
+def describe_team(team: Sequence[SarsaLambda[Any]]) -> tuple[dict[str, Any], dict[str, FloatArray]]:
+    """Return the JSON document of a team and the arrays of the file that it names; see `write_team`."""
     if not 1 <= len(team) <= MAX_AGENTS:
         raise InputError(f"a team must have 1 to {MAX_AGENTS} agents, got {len(team)}")
     settings, features = team[0].settings, team[0].features.to_dict()
@@ -61,22 +72,15 @@ def write_team(folder: str | os.PathLike[str], team: Sequence[SarsaLambda[Any]])
     weights = np.stack(list(vectors.values()))
     if not np.abs(weights).max() <= LIMIT:
         raise InputError("the weights are not finite: learning diverged; use a lower alpha")
-    name = f"sarsa-{_digest(weights)}.npz"
-    write_npz(Path(folder) / name, {"weights": weights})
-    write_json(
-        Path(folder) / MODEL,
-        {
-            "format": FORMAT,
-            "version": VERSION,
-            "weights": name,
-            "agents": [rows[id(agent.weights)] for agent in team],
-            "settings": settings.to_dict(),
-            "features": features,
-        },
-    )
-    for path in sorted(Path(folder).iterdir()):
-        if _WEIGHTS_FILE.fullmatch(path.name) and path.name != name:
-            path.unlink()
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "weights": f"sarsa-{_digest(weights)}.npz",
+        "agents": [rows[id(agent.weights)] for agent in team],
+        "settings": settings.to_dict(),
+        "features": features,
+    }
+    return document, {"weights": weights}
 
 
 def read_team(

@@ -1,7 +1,7 @@
 """Permission to write into a folder: it must be empty or contain an earlier part of the same work.
 
-The first file that a run or a study writes records what its results depend on. `claimed` compares that file
-with the present request and locks the folder.
+The first file that a run or a study writes, its manifest, records what the results depend on. `held` locks the folder
+and compares that file with the present request.
 """
 
 from __future__ import annotations
@@ -11,32 +11,52 @@ import platform
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, final
 
-from relforest import __version__
-from relforest.experiments.identity import Identity
-from relforest.rl.configuration import differences
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.files import is_temporary, read_json, remove_temporary_files, write_json
-from relforest.support.locks import FolderLock
+from relforest.support.locks import LOCK, FolderLock
 
 VERSION: Final = 1
 
-_LOCK: Final = ".lock"
 _LEAST_ROOM: Final = 2**20
 
 
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Manifest:
+    """What the content of a folder depends on.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file that stores it, such as ``"run.json"``.
+    format : str
+        The format that the file names, such as ``"relforest-run"``.
+    content : mapping
+        Plain JSON values: everything that the results depend on, apart from the versions of the software.
+    growing : str, optional
+        A number in the content that may be raised later.
+    """
+
+    file: str
+    format: str
+    content: Mapping[str, Any]
+    growing: str | None = None
+
+
 @contextmanager
-def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]) -> Iterator[None]:
-    """Lock a folder for one piece of work; its identity is on disk when the ``with`` block begins.
+def held(folder: Path, manifest: Manifest, *, is_finished: Callable[[], bool]) -> Iterator[None]:
+    """Lock a folder for one piece of work; its manifest is on disk when the ``with`` block begins.
 
     Parameters
     ----------
     folder : path
         Made if it does not exist.
-    identity : Identity
+    manifest : Manifest
         The work.
     is_finished : callable
         Returns whether everything has been computed. Only then may the folder come from other versions of the
@@ -49,26 +69,26 @@ def claimed(folder: Path, identity: Identity, *, is_finished: Callable[[], bool]
         work is left. Nothing is changed then.
     """
     # Before the lock too, because taking it makes a file.
-    _check_kind(folder, identity)
+    _check_kind(folder, manifest)
     if not is_finished():
         _check_writable(folder)
     with FolderLock(folder):
-        _check_kind(folder, identity)
+        _check_kind(folder, manifest)
         remove_temporary_files(folder)
-        there = _read(folder, identity)
-        here = {**identity.content, "versions": versions()}
+        there = _read(folder, manifest)
+        here = {**manifest.content, "versions": versions()}
         if there is not None:
-            _check_same(folder, identity, there, here, is_finished)
-        if there is None or _grows(identity, there):
-            write_json(folder / identity.file, {"format": identity.format, "version": VERSION, **here})
+            _check_same(folder, manifest, there, here, is_finished)
+        if there is None or _grows(manifest, there):
+            write_json(folder / manifest.file, {"format": manifest.format, "version": VERSION, **here})
         yield
 
 
 def versions() -> dict[str, str]:
     """Return the versions of the software that results depend on, Python's without its last part."""
     python = ".".join(platform.python_version_tuple()[:2])
-    others = {name: metadata.version(name) for name in ("numpy", "scipy", "numba", "scikit-learn")}
-    return {"python": python, **others, "relforest": __version__}
+    names = ("numpy", "scipy", "numba", "scikit-learn", "relforest")
+    return {"python": python} | {name: metadata.version(name) for name in names}
 
 
 def checked_folder(out: str | os.PathLike[str]) -> Path:
@@ -85,6 +105,16 @@ def checked_folder(out: str | os.PathLike[str]) -> Path:
     return Path(name)
 
 
+def differences(there: object, here: object, name: str = "") -> list[str]:
+    """Return the differences between two configurations, such as ``episodes (500 there, 10 here)``."""
+    if isinstance(there, Mapping) and isinstance(here, Mapping):
+        found: list[str] = []
+        for key in dict.fromkeys([*there, *here]):
+            found += differences(there.get(key), here.get(key), f"{name}.{key}" if name else str(key))
+        return found
+    return [] if there == here else [f"{name} ({there!r} there, {here!r} here)"]
+
+
 def _check_writable(folder: Path) -> None:
     """Check before the work, not after hours, that its results can be written."""
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
@@ -96,28 +126,28 @@ def _check_writable(folder: Path) -> None:
         raise RunFolderError(f"no space is left for {folder}: make room, or choose a folder on another disk")
 
 
-def _check_kind(folder: Path, identity: Identity) -> None:
+def _check_kind(folder: Path, manifest: Manifest) -> None:
     if not folder.exists():
         return
     if not folder.is_dir():
         raise RunFolderError(f"{folder} is not a folder; choose another name")
-    if (folder / identity.file).exists():
+    if (folder / manifest.file).exists():
         return
-    # The identity is written first, so an interruption before it leaves only these files.
-    foreign = [path.name for path in folder.iterdir() if path.name != _LOCK and not is_temporary(path)]
+    # The manifest is written first, so an interruption before it leaves only these files.
+    foreign = [path.name for path in folder.iterdir() if path.name != LOCK and not is_temporary(path)]
     if foreign:
         raise RunFolderError(
-            f"{folder} contains {min(foreign)!r} but not {identity.file}, so it belongs to something else; "
+            f"{folder} contains {min(foreign)!r} but not {manifest.file}, so it belongs to something else; "
             "choose a new or empty folder"
         )
 
 
-def _read(folder: Path, identity: Identity) -> dict[str, Any] | None:
-    path = folder / identity.file
+def _read(folder: Path, manifest: Manifest) -> dict[str, Any] | None:
+    path = folder / manifest.file
     if not path.exists():
         return None
     try:
-        document = read_json(path, format=identity.format, version=VERSION)
+        document = read_json(path, format=manifest.format, version=VERSION)
     except ModelFormatError as error:
         raise RunFolderError(f"{error}; restore that file or choose another folder") from error
     return {name: value for name, value in document.items() if name not in ("format", "version")}
@@ -125,16 +155,16 @@ def _read(folder: Path, identity: Identity) -> dict[str, Any] | None:
 
 def _check_same(
     folder: Path,
-    identity: Identity,
+    manifest: Manifest,
     there: dict[str, Any],
     here: dict[str, Any],
     is_finished: Callable[[], bool],
 ) -> None:
     there, here = dict(there), dict(here)
     software = _other_software(there.pop("versions", None), here.pop("versions"))
-    grows = _grows(identity, there)
+    grows = _grows(manifest, there)
     if grows:
-        here[str(identity.growing)] = there[str(identity.growing)]
+        here[str(manifest.growing)] = there[str(manifest.growing)]
     # Entries of only one of them, such as the settings of another method, follow from entries of both.
     both = [name for name in there if name in here]
     differing = differences({name: there[name] for name in both}, {name: here[name] for name in both})
@@ -158,8 +188,8 @@ def _other_software(there: object, here: Mapping[str, str]) -> list[str]:
     return differences(there, here, "versions")
 
 
-def _grows(identity: Identity, there: Mapping[str, Any]) -> bool:
-    if identity.growing is None:
+def _grows(manifest: Manifest, there: Mapping[str, Any]) -> bool:
+    if manifest.growing is None:
         return False
-    old, new = there.get(identity.growing), identity.content[identity.growing]
+    old, new = there.get(manifest.growing), manifest.content[manifest.growing]
     return isinstance(old, int) and not isinstance(old, bool) and old < new

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from interpreted import compiled_only
-from relforest.rl.checkpoint import CHECKPOINT, EXPERIENCE, METRICS, TIMINGS
 from relforest.rl.experience import COLUMNS
-from relforest.rl.policy_file import POLICY, TREES, WEIGHTS, read_policy
+from relforest.rl.policy_json import POLICY, TREES, WEIGHTS, read_policy
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.settings import RPISettings
+from relforest.runs.store import CHECKPOINT, METRICS, TIMINGS
 from relforest.support import files
 from relforest.support.errors import ModelFormatError, RunFolderError
 from relforest.support.locks import FolderLock
@@ -26,6 +26,7 @@ pytestmark = compiled_only
 
 QUICK = RPISettings(trees_per_label=1, max_rounds=2, max_scenes=40)
 ITERATIONS, EPISODES = 2, 5
+EXPERIENCE = "experience"
 
 
 def learn(folder: Path, iterations: int = ITERATIONS, episodes: int = EPISODES, **options: Any) -> SMRFRPI:
@@ -142,9 +143,11 @@ def test_derived_files_are_restored(finished: Path, copy: Path, name: str) -> No
     assert contents(copy) == contents(finished)
 
 
-def test_a_policy_of_an_older_iteration_is_replaced(finished: Path, copy: Path) -> None:
+def test_derived_files_of_an_older_iteration_are_replaced(finished: Path, copy: Path) -> None:
     older = json.loads((copy / POLICY).read_text("utf-8")) | {"iteration": 1}
     (copy / POLICY).write_text(json.dumps(older), "utf-8")
+    lines = (copy / METRICS).read_text("utf-8").splitlines(keepends=True)
+    (copy / METRICS).write_text("".join(lines[:-1]), "utf-8")
     learn(copy)
     assert contents(copy) == contents(finished)
 
@@ -180,12 +183,12 @@ def test_a_folder_in_use_is_refused(copy: Path) -> None:
         learn(copy)
 
 
-@pytest.mark.parametrize("name", [METRICS, POLICY, WEIGHTS])
-def test_a_folder_without_its_checkpoint_is_refused(copy: Path, name: str) -> None:
+def test_a_folder_without_its_checkpoint_is_refused(copy: Path) -> None:
     (copy / CHECKPOINT).unlink()
-    for other in {METRICS, POLICY, WEIGHTS} - {name}:
-        (copy / other).unlink()
-    with pytest.raises(RunFolderError, match=rf"{CHECKPOINT} is missing from .*{name}"):
+    with pytest.raises(RunFolderError, match=rf"{CHECKPOINT} is missing from .*{METRICS}"):
+        learn(copy)
+    (copy / METRICS).unlink()
+    with pytest.raises(RunFolderError, match=rf"contains {POLICY}, which is not part of a run"):
         learn(copy)
 
 

@@ -7,20 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from relforest.rl.policy_file import (
-    POLICY,
-    WEIGHTS,
-    check_policy,
-    read_policy,
-    slugs,
-    tree_name,
-    write_policy,
-    write_tree,
-)
+from relforest.rl.learner import Knowledge, RPILearner
+from relforest.rl.policy_json import POLICY, read_policy, slugs, tree_name
+from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
+from relforest.runs.learner import Run
+from relforest.runs.store import CHECKPOINT, RunStore
 from relforest.smdp import ActionType
 from relforest.support.errors import ModelFormatError
-from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, beside, near
+from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near
 
 NAMES = (("0001-wait-1.json",), ("0001-pick-1.json", "0002-pick-1.json"))
 
@@ -33,17 +28,16 @@ def a_policy() -> ValueFunction:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    value = a_policy()
-    for names, trees in zip(NAMES, value.forests, strict=True):
-        for name, tree in zip(names, trees, strict=True):
-            write_tree(tmp_path, name, tree)
-    write_policy(tmp_path, value, NAMES, 2)
+    learner = RPILearner(Picking(), RPISettings(), np.random.SeedSequence(0), 1, 1)
+    row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 3, "leaves": 6}
+    RunStore(tmp_path, learner).write(Run(Knowledge(a_policy(), NAMES, ()), (row,)))
     return tmp_path
 
 
 def edit(folder: Path, **changes: Any) -> None:
-    document = json.loads((folder / POLICY).read_text("utf-8"))
-    (folder / POLICY).write_text(json.dumps(document | changes), "utf-8")
+    document = json.loads((folder / CHECKPOINT).read_text("utf-8"))
+    document["policy"] |= changes
+    (folder / CHECKPOINT).write_text(json.dumps(document), "utf-8")
 
 
 def actions_of(folder: Path) -> list[dict[str, Any]]:
@@ -69,14 +63,7 @@ def test_the_policy_is_readable(folder: Path) -> None:
     }
 
 
-def test_an_interruption_between_the_two_files_is_noticed(folder: Path) -> None:
-    edit(folder, iteration=1)
-    with pytest.raises(ModelFormatError, match=r"different iterations.*continue the run"):
-        read_policy(folder)
-    check_policy(folder)
-
-
-@pytest.mark.parametrize("name", [POLICY, WEIGHTS, "trees/0001-pick-1.json"])
+@pytest.mark.parametrize("name", [CHECKPOINT, "trees/0001-pick-1.json"])
 @pytest.mark.parametrize("content", [None, b"", b"\xff\xfe{}", b'{"format": "x"}', b"[[[["])
 def test_missing_and_damaged_files_are_named(folder: Path, name: str, content: bytes | None) -> None:
     path = folder / name
@@ -85,8 +72,6 @@ def test_missing_and_damaged_files_are_named(folder: Path, name: str, content: b
         path.write_bytes(content)
     with pytest.raises(ModelFormatError, match=path.name):
         read_policy(folder)
-    with pytest.raises(ModelFormatError, match=path.name):
-        check_policy(folder)
 
 
 def test_trees_that_are_none_are_named(folder: Path) -> None:
@@ -104,8 +89,7 @@ def test_trees_that_are_none_are_named(folder: Path) -> None:
         {"features": ["bits"]},
         {"actions": 3},
         {"actions": [1]},
-        {"actions": None, "iteration": None},
-        {"iteration": "two"},
+        {"actions": None},
         {"actions": [{"name": "wait", "parameters": [], "weights": "wait", "trees": []}] * 1001},
         {"schema": {"attributes": [{}] * 1001, "parameters": []}},
     ],
@@ -113,7 +97,7 @@ def test_trees_that_are_none_are_named(folder: Path) -> None:
 def test_hostile_descriptions_are_refused(folder: Path, changes: dict[str, Any]) -> None:
     edit(folder, **changes)
     with pytest.raises(ModelFormatError):
-        check_policy(folder)
+        read_policy(folder)
 
 
 @pytest.mark.parametrize(

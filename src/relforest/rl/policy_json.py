@@ -1,13 +1,15 @@
-"""A learned policy as files: ``policy.json``, ``weights.npz`` and one JSON file per tree in ``trees/``.
+"""A learned policy as plain values: a description, weights, and one JSON file per tree in ``trees/``.
 
-`describe` and `rebuild` convert a value function to and from JSON, with its trees in separate files. A
-checkpoint contains the same description, including the weights.
+`describe` and `rebuild` convert a value function to and from JSON, with its trees in separate files. The
+checkpoint of a run contains the description and the weights; ``policy.json`` and ``weights.npz`` repeat them
+for reading.
 """
 
 from __future__ import annotations
 
 import os
 import re
+import reprlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,12 +19,13 @@ import numpy as np
 
 from relforest.rl.settings import FeatureMode
 from relforest.rl.value import ValueFunction
+from relforest.runs.store import CHECKPOINT, read_checkpoint
 from relforest.scenes import Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.smdp import ActionType
 from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
-from relforest.support.files import read_json, read_npz, write_json, write_npz
+from relforest.support.files import read_json
 from relforest.trees import Tree
 from relforest.trees.structure import check_counts
 from relforest.trees.tree import FORMAT as TREE_FORMAT
@@ -88,48 +91,38 @@ def rebuild(
         return ValueFunction(schema, kinds, features, forests, vectors), names
 
 
-def write_policy(
-    folder: str | os.PathLike[str], value: ValueFunction, tree_names: TreeNames, iteration: int
-) -> None:
-    """Write ``weights.npz`` and ``policy.json``; the trees must have been written before (`write_tree`)."""
-    arrays = {"iteration": np.array(iteration)}
-    arrays |= dict(zip(slugs(value.action_types), value.weights, strict=True))
-    write_npz(Path(folder) / WEIGHTS, arrays)
+def derived_files(
+    value: ValueFunction, tree_names: TreeNames, iteration: int
+) -> dict[str, Mapping[str, Any]]:
+    """Return ``policy.json`` and ``weights.npz``, for reading."""
     header = {"format": FORMAT, "version": VERSION, "iteration": iteration}
-    write_json(Path(folder) / POLICY, header | describe(value, tree_names))
+    arrays = {"iteration": np.array(iteration)} | named_weights(value)
+    return {POLICY: header | describe(value, tree_names), WEIGHTS: arrays}
+
+
+def named_weights(value: ValueFunction) -> dict[str, FloatArray]:
+    """Return the weights by the names that `describe` uses."""
+    return dict(zip(slugs(value.action_types), value.weights, strict=True))
 
 
 def read_policy(folder: str | os.PathLike[str]) -> ValueFunction:
-    """Read the policy from a run folder; its experience and checkpoint are not needed.
+    """Read the policy from a run folder, even while the run goes on; its experience is not needed.
 
     Raises
     ------
     ModelFormatError
         If a file is missing or malformed, or the files do not match.
     """
-    value = _read_parts(Path(folder))
-    if value is None:
-        raise ModelFormatError(
-            f"{POLICY} and {WEIGHTS} in {folder} belong to different iterations, as after an interruption; "
-            "continue the run to restore both"
-        )
-    return value
+    return policy_of(read_checkpoint(folder).document, Path(folder))[0]
 
 
-def check_policy(folder: str | os.PathLike[str]) -> None:
-    """Check that the files of a policy are readable, even if an interruption left them out of step.
-
-    Raises
-    ------
-    ModelFormatError
-        If a file is missing or malformed.
-    """
-    _read_parts(Path(folder))
-
-
-def write_tree(folder: Path, name: str, tree: Tree) -> None:
-    """Write one tree to the folder of trees."""
-    write_json(folder / TREES / name, tree.to_dict())
+def policy_of(document: Mapping[str, Any], folder: Path) -> tuple[ValueFunction, TreeNames]:
+    """Return the policy of a checkpoint and the names of its trees; errors are those of `read_policy`."""
+    origin = str(folder / CHECKPOINT)
+    with well_formed(f"{origin} is damaged", "restore it from a copy or start again in another folder"):
+        weights = {name: _vector(name, vector) for name, vector in document["weights"].items()}
+        policy = dict(document["policy"])
+    return rebuild(policy, weights, folder, origin)
 
 
 def tree_name(iteration: int, slug: str, number: int) -> str:
@@ -145,21 +138,6 @@ def slugs(action_types: Sequence[ActionType]) -> tuple[str, ...]:
         name if lower.count(name.lower()) == 1 and name != "iteration" else f"{name}-{number}"
         for number, name in enumerate(plain)
     )
-
-
-def _read_parts(folder: Path) -> ValueFunction | None:
-    """Read a policy; None if its two files are valid but belong to different iterations."""
-    path = folder / POLICY
-    document = read_json(path, format=FORMAT, version=VERSION)
-    with well_formed(f"{path} does not describe a policy"):
-        names = [str(entry["weights"]) for entry in document["actions"]]
-        iteration = document["iteration"]
-        if type(iteration) is not int:
-            raise ModelFormatError(f"the iteration must be an integer, got {iteration!r:.100}")
-    arrays = read_npz(folder / WEIGHTS, ["iteration", *names])
-    if not np.array_equal(arrays["iteration"], iteration):
-        return None
-    return rebuild(document, arrays, folder, str(path))[0]
 
 
 def _read_tree(path: Path) -> Tree:
@@ -181,3 +159,9 @@ def _file_name(name: object) -> str:
             f"{name!r:.100} is no file name of a tree; expected one such as 0001-left-1.json"
         )
     return name
+
+
+def _vector(name: str, numbers: object) -> FloatArray:
+    if not isinstance(numbers, list) or not all(type(number) in (int, float) for number in numbers):
+        raise ModelFormatError(f"the weights {reprlib.repr(name)} must be a list of numbers")
+    return np.array(numbers, dtype=np.float64)

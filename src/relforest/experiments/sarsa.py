@@ -1,0 +1,147 @@
+"""Sarsa with the tile coding of the keepaway benchmark as a learner in iterations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final, final
+
+import numpy as np
+
+from relforest.experiments.keepaway_team import Team, benchmark_team, play_episodes_with, renewed
+from relforest.rl.configuration import seed_to_dict
+from relforest.rl.peers import SarsaSettings, read_team
+from relforest.rl.peers.sarsa_file import MODEL, describe_team
+from relforest.runs.learner import Row, Snapshot
+from relforest.runs.store import read_checkpoint
+from relforest.support.documents import well_formed
+from relforest.support.errors import ModelFormatError
+from relforest.support.progress import part
+from relforest.support.rng import stream
+from relforest.worlds.keepaway.options import KeepawayOptions
+
+_TRAINING, _TESTING, _AGENTS = 0, 1, 2
+_TEAM: Final = "team"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Trained:
+    """A team after an iteration; its agents are never changed.
+
+    Parameters
+    ----------
+    team : sequence of SarsaLambda
+    reward : float or None
+        Mean duration of the training episodes of the iteration, in cycles; None if unknown.
+    """
+
+    team: Team
+    reward: float | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class SarsaLearner:
+    """Sarsa; rewards are durations of episodes in cycles.
+
+    Its files are those of `relforest.rl.peers.write_team` in ``model-0001/`` and so on, of the last
+    iteration.
+
+    Parameters
+    ----------
+    rules : KeepawayOptions
+    settings : SarsaSettings
+    shared : bool
+        Whether all agents learn from everyone's experience.
+    seed : SeedSequence
+        Of the whole run.
+    episodes, test_episodes : int
+        Training and test episodes per iteration.
+    """
+
+    rules: KeepawayOptions
+    settings: SarsaSettings
+    shared: bool
+    seed: np.random.SeedSequence
+    episodes: int
+    test_episodes: int
+
+    files: ClassVar[re.Pattern[str]] = re.compile(r"model-\d{4}/sarsa(-[0-9a-f]{16}\.npz|\.json)")
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """Everything that the result depends on, as plain JSON values."""
+        rules = asdict(self.rules).items()
+        return {
+            "random_state": seed_to_dict(self.seed),
+            "episodes": self.episodes,
+            "test_episodes": self.test_episodes,
+            "settings": self.settings.to_dict(),
+            "shared": self.shared,
+            "rules": {name: list(value) if isinstance(value, tuple) else value for name, value in rules},
+        }
+
+    def start(self) -> Trained:
+        """Return untrained agents."""
+        seed = stream(self.seed, 0, _AGENTS)
+        return Trained(benchmark_team(self.rules, self.settings, shared=self.shared, random_state=seed))
+
+    def iterate(self, state: Trained, number: int) -> Trained:
+        """Let the agents learn while they play."""
+        seed = stream(self.seed, number)
+        team = renewed(state.team, stream(seed, _AGENTS), learn=True)
+        with part("training"):
+            played = play_episodes_with(team, self.rules, self.episodes, stream(seed, _TRAINING))
+        return Trained(team, float(played.mean()))
+
+    def evaluate(self, state: Trained, number: int) -> Row:
+        """Play test episodes without learning."""
+        seed = stream(self.seed, number, _TESTING)
+        with part("testing"):
+            team = renewed(state.team, seed, learn=False)
+            tested = play_episodes_with(team, self.rules, self.test_episodes, seed)
+        reward = {"test_reward": float(tested.mean()), "train_reward": state.reward}
+        return {**reward, "trees": 0, "leaves": 0}
+
+    def to_plain(self, state: Trained, number: int) -> Snapshot:
+        """Return the name of the folder of the team, and the files in it."""
+        document, arrays = describe_team(state.team)
+        folder = f"model-{number:04d}"
+        files = {f"{folder}/{document['weights']}": arrays, f"{folder}/{MODEL}": document}
+        return Snapshot({_TEAM: folder}, files)
+
+    def from_plain(self, document: Mapping[str, Any], number: int, folder: Path) -> Trained:
+        """Read the team; its random streams are renewed in every iteration.
+
+        Raises
+        ------
+        ModelFormatError
+            If a file is missing or malformed.
+        """
+        if document.get(_TEAM) != f"model-{number:04d}":
+            raise ModelFormatError(f"the checkpoint in {folder} does not name the team of iteration {number}")
+        return Trained(read_team(folder / f"model-{number:04d}", random_state=0))
+
+
+def trained_team(folder: Path) -> Team:
+    """Return the present agents of a run of Sarsa, without learning.
+
+    Raises
+    ------
+    ModelFormatError
+        If the folder does not contain such a run, or a file is missing or damaged.
+    """
+    checkpoint = read_checkpoint(folder)
+    with well_formed(f"{folder} does not contain a run of Sarsa"):
+        name = checkpoint.document[_TEAM]
+        if name != f"model-{checkpoint.iteration:04d}":
+            raise ModelFormatError("its checkpoint does not name the team of its iteration")
+    return read_team(folder / name, learn=False)
+
+
+def is_run_of_sarsa(folder: Path) -> bool:
+    """Return whether the checkpoint in a folder is one of Sarsa."""
+    return _TEAM in read_checkpoint(folder).document

@@ -1,0 +1,188 @@
+"""SMRF-RPI as a learner in iterations: the experience loop of Palmer (2015), Algorithm 6.1.
+
+`relforest.rl.rounds` is the loop inside an iteration.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final, final
+
+import numpy as np
+
+from relforest.rl.configuration import describe_run
+from relforest.rl.experience import COLUMNS, OPTIONAL_COLUMNS, Experience
+from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
+from relforest.rl.policy_json import (
+    TREES,
+    TreeNames,
+    derived_files,
+    describe,
+    named_weights,
+    policy_of,
+    slugs,
+    tree_name,
+)
+from relforest.rl.rollout import Environment, rollout, world_of
+from relforest.rl.rounds import improve
+from relforest.rl.samples import draw_samples
+from relforest.rl.settings import RPISettings
+from relforest.rl.value import ValueFunction, action_schemas
+from relforest.runs.learner import Row, Snapshot
+from relforest.support.errors import ModelFormatError
+from relforest.support.files import read_npz
+from relforest.support.progress import part, report
+from relforest.support.rng import stream
+
+_TRAINING, _TESTING, _SAMPLING, _LEARNING = 0, 1, 2, 3
+_EXPERIENCE: Final = "experience"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """What SMRF-RPI knows after an iteration.
+
+    Parameters
+    ----------
+    value : ValueFunction
+    tree_names : tuple of tuple of str
+        The file names of the trees of `value`.
+    batches : tuple of Experience
+        Training experience, one batch per iteration.
+    """
+
+    value: ValueFunction
+    tree_names: TreeNames
+    batches: tuple[Experience, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class RPILearner:
+    """The source's learner; its states are `Knowledge`.
+
+    Its files are ``experience/iteration-0001.npz`` and so on, and ``trees/0001-left-1.json`` and so on, the
+    accepted trees.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        Its ``unwrapped`` implements `relforest.smdp.World`.
+    settings : RPISettings
+    seed : SeedSequence
+        Of the whole run.
+    episodes : int
+        Episodes of training experience per iteration: uniformly random actions in the first iteration,
+        epsilon-greedy ones later.
+    test_episodes : int
+        Greedy episodes after each iteration, for the metrics only.
+    n_jobs : int
+        Candidate trees learned at the same time, in threads. The result does not depend on it.
+    """
+
+    env: Environment
+    settings: RPISettings
+    seed: np.random.SeedSequence
+    episodes: int
+    test_episodes: int
+    n_jobs: int = 1
+
+    files: ClassVar[re.Pattern[str]] = re.compile(
+        rf"{TREES}/\d{{4}}-.+-\d+\.json|{_EXPERIENCE}/iteration-\d{{4}}\.npz"
+    )
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """Everything that the result depends on, as plain JSON values."""
+        return describe_run(self.env, self.settings, self.seed, (self.episodes, self.test_episodes))
+
+    def start(self) -> Knowledge:
+        """Return no trees, and a value of zero."""
+        world = world_of(self.env)
+        value = ValueFunction.zero(world.schema, world.action_types, self.settings.features)
+        return Knowledge(value, ((),) * len(world.action_types), ())
+
+    def iterate(self, state: Knowledge, number: int) -> Knowledge:
+        """Gain training experience and learn from it."""
+        settings, seed, world = self.settings, stream(self.seed, number), world_of(self.env)
+        policy: Policy = RandomPolicy()
+        if number > 1:
+            policy = EpsilonGreedyPolicy(GreedyPolicy(state.value), settings.epsilon)
+        with part("training"):
+            batches = (*state.batches, rollout(self.env, policy, self.episodes, stream(seed, _TRAINING)))
+        report("collecting samples")
+        samples = draw_samples(
+            batches,
+            action_schemas(world.schema, world.action_types),
+            discount=world.discount,
+            max_samples=settings.max_samples,
+            bootstrap_on_truncation=settings.bootstrap_on_truncation,
+            seed=stream(seed, _SAMPLING),
+        )
+        value = improve(
+            state.value, samples, settings=settings, seed=stream(seed, _LEARNING), n_jobs=self.n_jobs
+        )
+        names = tuple(
+            (*old, *(tree_name(number, slug, i + 1) for i in range(len(trees) - len(old))))
+            for old, slug, trees in zip(
+                state.tree_names, slugs(world.action_types), value.forests, strict=True
+            )
+        )
+        return Knowledge(value, names, batches)
+
+    def evaluate(self, state: Knowledge, number: int) -> Row:
+        """Play test episodes with the policy."""
+        with part("testing"):
+            policy, seed = GreedyPolicy(state.value), stream(self.seed, number, _TESTING)
+            tested = rollout(self.env, policy, self.test_episodes, seed)
+        trained = float(state.batches[-1].episode_rewards.mean()) if state.batches else None
+        return {
+            "test_reward": float(tested.episode_rewards.mean()),
+            "train_reward": trained,
+            "trees": state.value.n_trees,
+            "leaves": state.value.n_leaves,
+        }
+
+    def to_plain(self, state: Knowledge, number: int) -> Snapshot:
+        """Return the policy for the checkpoint, its trees and the experience as files."""
+        value, batches = state.value, enumerate(state.batches, start=1)
+        trees = {
+            f"{TREES}/{name}": tree.to_dict()
+            for names, forest in zip(state.tree_names, value.forests, strict=True)
+            for name, tree in zip(names, forest, strict=True)
+        }
+        weights = {name: vector.tolist() for name, vector in named_weights(value).items()}
+        return Snapshot(
+            {"policy": describe(value, state.tree_names), "weights": weights},
+            {**{_experience(i): batch.arrays() for i, batch in batches}, **trees},
+            derived_files(value, state.tree_names, number),
+        )
+
+    def from_plain(self, document: Mapping[str, Any], number: int, folder: Path) -> Knowledge:
+        """Read the trees and the experience that a checkpoint names.
+
+        Raises
+        ------
+        ModelFormatError
+            If a file is missing or malformed, or the files do not match.
+        """
+        value, names = policy_of(document, folder)
+        batches = tuple(_read_batch(folder / _experience(i), value) for i in range(1, number + 1))
+        return Knowledge(value, names, batches)
+
+
+def _experience(number: int) -> str:
+    return f"{_EXPERIENCE}/iteration-{number:04d}.npz"
+
+
+def _read_batch(path: Path, value: ValueFunction) -> Experience:
+    batch = Experience.from_arrays(read_npz(path, COLUMNS, optional=OPTIONAL_COLUMNS), origin=str(path))
+    arity = max((kind.arity for kind in value.action_types), default=0)
+    fits = batch.matrix.shape[1] == value.schema.width and batch.arguments.shape[1] == arity
+    if not fits or batch.types.max(initial=0) >= len(value.action_types):
+        raise ModelFormatError(f"{path} belongs to a different world than the checkpoint beside it")
+    return batch
