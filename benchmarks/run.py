@@ -13,6 +13,7 @@ import bench_compile
 import bench_covagg
 import bench_growth
 import bench_keepaway
+import bench_rpi
 import bench_startup
 import bench_stream
 import bench_tree
@@ -32,6 +33,8 @@ def main() -> None:
         table.report()
     bench_growth.run().report()
     for table in bench_keepaway.run():
+        table.report()
+    for table in bench_rpi.run():
         table.report()
     bench_blocks.run().report()
     bench_compile.run().report()

@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 import pytest
-from relforest.experiments.sarsa_folder import write_iteration
 
 from cli.command_lines import CommandLine
+from experiments.run_folders import write_run_of_sarsa
 from relforest.experiments.keepaway_team import benchmark_team
 from relforest.worlds.blocks.env import high_towers_env
 from relforest.worlds.blocks.policies import make_policy
@@ -107,8 +107,7 @@ def test_bad_options_are_one_clear_line(run: CommandLine, arguments: tuple[str, 
 
 def test_a_learned_policy_plays(run: CommandLine, tmp_path: Path) -> None:
     folder, out = tmp_path / "run", tmp_path / "page.html"
-    row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
-    write_iteration(folder, benchmark_team(KeepawayOptions()), [row])
+    write_run_of_sarsa(folder, benchmark_team(KeepawayOptions()), KeepawayOptions())
 
     assert run("play", "keepaway", "--policy", folder, "--max-cycles", "9", "--out", out).code == 0
     assert f'"subtitle":"learned in {folder}, ' in out.read_text("utf-8")

@@ -5,8 +5,8 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from relforest.experiments.sarsa_folder import write_iteration
 
+from experiments.run_folders import write_run_of_sarsa
 from relforest.experiments.keepaway_picture import agent_policy_map, formations, team_policy_map
 from relforest.experiments.keepaway_team import benchmark_team
 from relforest.experiments.tasks import task_named
@@ -30,8 +30,7 @@ def test_formations_keep_players_apart_and_inside(keepers: int, takers: int) -> 
 
 def test_a_team_has_its_map(tmp_path: Path) -> None:
     rules = KeepawayOptions(size=8.0)
-    row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
-    write_iteration(tmp_path, benchmark_team(rules), [row])
+    write_run_of_sarsa(tmp_path, benchmark_team(rules), rules)
     figure = team_policy_map(tmp_path, gymnasium.make("relforest/Keepaway-v0", size=8.0))
 
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["ball in a corner", "ball in the centre"]

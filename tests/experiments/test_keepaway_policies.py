@@ -5,8 +5,8 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from relforest.experiments.sarsa_folder import write_iteration
 
+from experiments.run_folders import write_run_of_sarsa
 from relforest.experiments.keepaway_policies import AgentDecider, TeamDecider, learned_policy
 from relforest.experiments.keepaway_team import benchmark_team, play_episodes_with
 from relforest.rl.rpi import SMRFRPI
@@ -16,13 +16,12 @@ from relforest.worlds.keepaway.options import KeepawayOptions
 from relforest.worlds.keepaway.recorder import record_episodes
 
 RULES = KeepawayOptions(max_cycles=15)
-ROW = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
 
 
 def test_a_team_decides_by_the_values_of_each_keepers_own_agent(tmp_path: Path) -> None:
     team = benchmark_team(RULES, random_state=0)
     play_episodes_with(team, RULES, 2, seed_sequence(0))
-    write_iteration(tmp_path, team, [ROW])
+    write_run_of_sarsa(tmp_path, team, RULES)
     policy = learned_policy(tmp_path, 3, 2)
     assert isinstance(policy, TeamDecider)
     decisions = record_episodes(policy, RULES, 1, 0)[0].decisions
@@ -46,7 +45,7 @@ def test_what_smrf_rpi_learned_plays_with_other_numbers_of_players(tmp_path: Pat
 def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is not a run of keepaway"):
         learned_policy(tmp_path, 3, 2)
-    write_iteration(tmp_path, benchmark_team(RULES), [ROW])
+    write_run_of_sarsa(tmp_path, benchmark_team(RULES), RULES)
     with pytest.raises(InputError, match="a team of 3 keepers, not 4"):
         learned_policy(tmp_path, 4, 3)
     with pytest.raises(InputError, match="learned against 2 takers, not 3: choose --takers"):
