@@ -87,7 +87,7 @@ def run_study(
     manifest = Manifest(
         _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
     )
-    files = {index: folder / _SETTINGS / f"{index:04d}.json" for index in chosen}
+    files = {index: _file(Place(seed, index, folder)) for index in chosen}
     unsaved = [settings[index] for index, file in files.items() if not file.exists()]
     obstacles = {} if study.obstacles is None else study.obstacles(unsaved)
     files = {index: file for index, file in files.items() if settings[index] not in obstacles}
@@ -98,39 +98,50 @@ def run_study(
     for line in notes:
         announce(line)
     with held(folder, manifest, is_finished=lambda: all(file.exists() for file in files.values())):
-        if (folder / _SETTINGS).is_dir():
-            remove_temporary_files(folder / _SETTINGS)
-        left = [index for index, file in files.items() if not file.exists()]
-        places = {index: Place(seed, index, folder) for index in left}
-        if study.learned is not None:
-            runs = [study.learned(settings[index], places[index]) for index in left]
-            with ExitStack() as locks:
-                for run in runs:
-                    locks.enter_context(run.held())
-                learn_in_folders(runs, n_jobs=n_jobs)
-        elif study.compiles and n_jobs != 1 and len(left) > 1:
-            _warm_up(study)
-
-        def save(task: int, rows: list[Row]) -> None:
-            index = left[task]
-            header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
-            write_json(files[index], {**header, "setting": plain[index], "rows": rows})
-            done = sum(file.exists() for file in files.values())
-            announce(f"{study.name}: {done} of {len(files)} done ({settings[index]})")
-
-        run_tasks(
-            _rows_of,
-            [(study.compute, settings[index], places[index]) for index in left],
-            n_jobs=1 if study.learned else n_jobs,
-            prefer="processes",
-            then=save,
-        )
+        _compute(study, {Place(seed, index, folder): settings[index] for index in files}, n_jobs, announce)
         table = Table.of(
             {"id": f"{study.name}/{index}/{seed}", **row}
             for index, file in files.items()
             for row in _read_rows(file, plain[index])
         )
         return _report(study, table, folder, notes)
+
+
+def _compute(
+    study: Study[S], chosen: Mapping[Place, S], n_jobs: int, announce: Callable[[str], None]
+) -> None:
+    """Compute the settings that have no file yet, and write their rows as soon as they are there."""
+    files = {place: _file(place) for place in chosen}
+    left = [place for place, file in files.items() if not file.exists()]
+    for parent in {file.parent for file in files.values()}:
+        remove_temporary_files(parent)
+    if study.learned is not None:
+        runs = [study.learned(chosen[place], place) for place in left]
+        with ExitStack() as locks:
+            for run in runs:
+                locks.enter_context(run.held())
+            learn_in_folders(runs, n_jobs=n_jobs)
+    elif study.compiles and n_jobs != 1 and len(left) > 1:
+        _warm_up(study)
+
+    def save(task: int, rows: list[Row]) -> None:
+        place = left[task]
+        header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
+        write_json(files[place], {**header, "setting": _plain(chosen[place]), "rows": rows})
+        done = sum(file.exists() for file in files.values())
+        announce(f"{study.name}: {done} of {len(files)} done ({chosen[place]})")
+
+    run_tasks(
+        _rows_of,
+        [(study.compute, chosen[place], place) for place in left],
+        n_jobs=1 if study.learned else n_jobs,
+        prefer="processes",
+        then=save,
+    )
+
+
+def _file(place: Place) -> Path:
+    return place.folder / _SETTINGS / f"{place.index:04d}.json"
 
 
 def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -> Findings:
