@@ -6,7 +6,6 @@ from abc import ABC
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
-from scipy.special import expit, softmax
 from sklearn.base import ClassifierMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
@@ -16,6 +15,7 @@ from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
@@ -185,10 +185,7 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, n_classes)."""
-        scores = self._scores(scenes)
-        if scores.shape[1] > 1:
-            return np.asarray(softmax(scores, axis=1))
-        return np.column_stack([expit(-scores[:, 0]), expit(scores[:, 0])])
+        return logistic_shares(self._scores(scenes))
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""

@@ -15,6 +15,7 @@ from relforest.forests.forest import Forest, ForestSettings, grow_forest, grow_f
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.members import Wanted
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import mean_shares
 from relforest.scenes import sample_scenes
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
@@ -242,16 +243,16 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
         return Wanted(numbers, targets.weights, of_classes=True)
 
     def _judge(self, unseen: NDArray[np.float64], wanted: Wanted) -> None:
-        self.oob_decision_function_ = _probabilities(unseen)
+        self.oob_decision_function_ = mean_shares(unseen)
         judged = ~np.isnan(self.oob_decision_function_[:, 0])
-        right = self.oob_decision_function_[judged].argmax(axis=1) == _probabilities(
+        right = self.oob_decision_function_[judged].argmax(axis=1) == mean_shares(
             wanted.numbers[judged]
         ).argmax(axis=1)
         self.oob_score_ = float(right.mean()) if judged.any() else float("nan")
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, n_classes)."""
-        return _probabilities(self._scores(scenes))
+        return mean_shares(self._scores(scenes))
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""
@@ -296,12 +297,3 @@ class SMRFForestRegressor(RegressorMixin, _Forest):  # type: ignore[misc]  # sci
 
     def _scored(self) -> str:
         return "the target"
-
-
-def _probabilities(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return probabilities of all classes, which add up to 1."""
-    if scores.shape[1] == 1:
-        positive = np.clip(scores[:, 0], 0.0, 1.0)
-        return np.column_stack([1.0 - positive, positive])
-    bounded = np.clip(scores, 0.0, None)
-    return np.asarray(bounded / bounded.sum(axis=1, keepdims=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
-from scipy.special import expit, logit, xlogy
+from scipy.special import logit, xlogy
 from sklearn.base import ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
@@ -26,6 +26,7 @@ from relforest.forests.rule_sets import (
 )
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
@@ -148,8 +149,7 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, 2)."""
-        positive = expit(self._scores(scenes)[:, 0])
-        return np.column_stack([1.0 - positive, positive])
+        return logistic_shares(self._scores(scenes))
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""
