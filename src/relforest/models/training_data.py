@@ -132,10 +132,12 @@ def _are_numbers(values: NDArray[Any], source: SceneTable, label: str) -> bool:
     """Return whether values are numbers rather than classes."""
     if values.dtype.kind == "b":
         return False
-    try:
-        different = np.unique(_as_numbers(source, label))
-    except InputError:
-        return False  # words
+    if values.dtype.kind == "O":
+        try:
+            values = _as_numbers(source, label)
+        except InputError:
+            return False  # words
+    different = np.unique(values)
     # NaN is not whole: `_numbers` says where it is.
     return bool(len(different) > MOST_CLASSES or (different != np.round(different)).any())
 
