@@ -66,13 +66,13 @@ def test_a_saved_estimator_predicts_the_same(tmp_path: Path, estimator: Any, y: 
 def test_training_data_tell_how_to_apply_a_model(tmp_path: Path) -> None:
     table = write(passes(), tmp_path / "passes.csv")
     columns: Any = {"scene": "pass", "object": "player", "attributes": {"extent": "x"}}
-    data = read_training_data(table, "completed", positive=False, **columns)
+    data = read_training_data(table, "completed", positive=True, **columns)
     tree = SMRFTreeClassifier(random_state=0).fit(data.scenes, data.y)
     save(tree, tmp_path / "tree.json", data)
     model = load(tmp_path / "tree.json")
 
     assert isinstance(model, Model)
-    assert (model.outcome, model.columns) == ("completed = False", data.columns)
+    assert (model.outcome, model.columns) == ("completed = True", data.columns)
     assert model.points
     assert model.predictions(data.scenes).predicted[:2].tolist() == [True, False]
     with pytest.raises(InputError, match="fitted to other data"):

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from relforest.scenes.frames import FrameLayout
 from relforest.scenes.parquet import to_table
 from relforest.support.errors import InputError
 
-ATTRIBUTES = {"extent": "x"}
+ATTRIBUTES: Mapping[str | Attribute, str] = {"extent": "x"}
 
 
 def read(path: Path, label: str = "y", **options: Any) -> TrainingData:
@@ -25,7 +26,7 @@ def read(path: Path, label: str = "y", **options: Any) -> TrainingData:
 def labelled(path: Path, values: list[Any], name: str = "y") -> Path:
     """Passes with these values in turn, as a Parquet or CSV file."""
     column = [values[scene % len(values)] for scene in range(N_SCENES) for _ in range(3)]
-    return write(passes(**{name: column}), path)
+    return write(passes().append_column(name, [column]), path)
 
 
 @pytest.mark.parametrize(
