@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 from matplotlib.figure import Figure
 from pyarrow import parquet
@@ -23,6 +24,7 @@ from mutations import (
     with_other_fields,
     with_other_values,
 )
+from relforest import CovAggClassifier, load, save
 from relforest.datasets import read_arff, read_c45, read_csv
 from relforest.experiments import sarsa_folder
 from relforest.experiments.claims import Findings
@@ -49,9 +51,9 @@ from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read
 from relforest.scenes.frames import FrameLayout
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
-from relforest.trees import Tree, query
+from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.volumes import Slab
-from reports.drawn_trees import NEAR, five_questions, question, scenes_of
+from reports.drawn_trees import NEAR, five_questions, one_question, question, scenes_of
 from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
 from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes
 
@@ -185,6 +187,34 @@ def _smrf_forest(folder: Path) -> None:
     tree = five_questions()
     learned = Ensemble(tree.schema, np.array([0.5]), (tree, tree), np.array([0.5, -0.5]))
     write_model(folder / "forest.json", Model(learned, "forest", "", ("no", "yes"), None))
+
+
+def _forest_of_numbers(folder: Path) -> None:
+    tree = five_questions()
+    tree = tree.with_leaves([MeanLeaf(float(number), 0, 3, 0.5) for number in range(tree.n_leaves)])
+    learned = Ensemble(tree.schema, np.zeros(1), (tree, tree), np.array([0.5, 0.5]))
+    write_model(folder / "numbers.json", Model(learned, "forest", "speed", None, None))
+
+
+def _several_classes(folder: Path) -> None:
+    tree = one_question()
+    shares = ((0.5, 0.25, 0.25), (0.0, 1.0, 0.0), (0.25, 0.0, 0.75))
+    tree = tree.with_leaves([ClassLeaf(max(each[1:]), 2, 2, each, (2, 1, 1)) for each in shares])
+    write_model(folder / "classes.json", Model(tree, "tree", "where", ("a", "b", "c"), None))
+
+
+def _volume(folder: Path) -> None:
+    bags = np.arange(32.0).reshape(8, 2, 2) % 7
+    frames = [pd.DataFrame(bag, columns=["x", "y"]) for bag in bags]
+    save(CovAggClassifier(random_state=0).fit(frames, [0, 1] * 4), folder / "volume.json")
+
+
+def _use_volume(path: Path) -> None:
+    classifier = load(path)
+    assert isinstance(classifier, CovAggClassifier)
+    columns = getattr(classifier, "feature_names_in_", None)
+    bag = pd.DataFrame(np.zeros((3, classifier.n_features_in_)), columns=columns)
+    assert len(classifier.predict([bag])) == 1
 
 
 def _use_ensemble(path: Path) -> None:
@@ -369,6 +399,18 @@ FORMATS: Final[Mapping[str, Format]] = {
     ),
     "smrf-forest": Format(
         _smrf_forest, {"forest.json": _JSON}, lambda folder: _use_ensemble(folder / "forest.json"), 0.7
+    ),
+    "forest of numbers": Format(
+        _forest_of_numbers,
+        {"numbers.json": _JSON},
+        lambda folder: _use_ensemble(folder / "numbers.json"),
+        0.7,
+    ),
+    "tree of several classes": Format(
+        _several_classes, {"classes.json": _JSON}, lambda folder: _use_ensemble(folder / "classes.json"), 0.7
+    ),
+    "volume": Format(
+        _volume, {"volume.json": _JSON}, lambda folder: _use_volume(folder / "volume.json"), 0.7
     ),
     "tree": Format(
         lambda folder: (folder / "tree.json").write_text(json.dumps(_six_questions().to_dict())),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
@@ -27,29 +28,18 @@ if TYPE_CHECKING:
     from relforest.trees.weights import ClassWeight
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class _Boosting(SceneEstimator, ABC):
     """The parameters of boosting, and the fit."""
 
-    def __init__(
-        self,
-        *,
-        n_trees: int = 100,
-        learning_rate: float = 0.1,
-        max_scenes: int = 256,
-        validation: float = 0.0,
-        growth: GrowthSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.n_trees = n_trees
-        self.learning_rate = learning_rate
-        self.max_scenes = max_scenes
-        self.validation = validation
-        self.growth = growth
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    n_trees: int = 100
+    learning_rate: float = 0.1
+    max_scenes: int = 256
+    validation: float = 0.0
+    growth: GrowthSettings | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings]:
         how = BoostingSettings(self.n_trees, self.learning_rate, self.max_scenes, self.validation)
@@ -68,6 +58,7 @@ class _Boosting(SceneEstimator, ABC):
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
     """Sum of small trees of conditions, fitted to the gradient of the log likelihood.
 
@@ -126,30 +117,7 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
     'distance(location) of C, D'
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        n_trees: int = 100,
-        learning_rate: float = 0.1,
-        max_scenes: int = 256,
-        validation: float = 0.0,
-        growth: GrowthSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-        class_weight: ClassWeight = None,
-    ) -> None:
-        super().__init__(
-            n_trees=n_trees,
-            learning_rate=learning_rate,
-            max_scenes=max_scenes,
-            validation=validation,
-            growth=growth,
-            random_state=random_state,
-            n_jobs=n_jobs,
-            verbose=verbose,
-        )
-        self.class_weight = class_weight
+    class_weight: ClassWeight = None
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the trees.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, Final, Self, Unpack, final
 
@@ -36,27 +37,17 @@ _SAMPLES: Final = 2
 FOREST_GROWTH: Final = GrowthSettings(max_leaves=30, share=0.25, min_scenes=2, penalty=0.5)
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class _Forest(SceneEstimator, ABC):
     """The parameters of forests, and the fit."""
 
-    def __init__(
-        self,
-        *,
-        n_trees: int = 100,
-        max_samples: float = 0.632,
-        growth: GrowthSettings | TreeSettings | None = None,
-        negated: float | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.n_trees = n_trees
-        self.max_samples = max_samples
-        self.growth = growth
-        self.negated = negated
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    n_trees: int = 100
+    max_samples: float = 0.632
+    growth: GrowthSettings | TreeSettings | None = None
+    negated: float | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the trees.
@@ -147,6 +138,7 @@ class _Forest(SceneEstimator, ABC):
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # scikit-learn is untyped
     """Mean of trees, each grown from a random sample of the scenes: trees of conditions, or SMRF trees.
 
@@ -212,28 +204,7 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
     27.8 %  +0.250 / +0.000  there are A and B such that B is between 0.414 and 3.07 from A
     """
 
-    def __init__(
-        self,
-        *,
-        n_trees: int = 100,
-        max_samples: float = 0.632,
-        growth: GrowthSettings | TreeSettings | None = None,
-        negated: float | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-        class_weight: ClassWeight = None,
-    ) -> None:
-        super().__init__(
-            n_trees=n_trees,
-            max_samples=max_samples,
-            growth=growth,
-            negated=negated,
-            random_state=random_state,
-            n_jobs=n_jobs,
-            verbose=verbose,
-        )
-        self.class_weight = class_weight
+    class_weight: ClassWeight = None
 
     def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> Wanted:
         targets = class_targets(y, n, sample_weight, self.class_weight)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
@@ -46,6 +47,7 @@ RULE_GROWTH: Final = GrowthSettings(max_leaves=4, share=0.2)
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[misc]  # scikit-learn is untyped
     """Rule set: any of a few conditions holds, chosen by description length.
 
@@ -86,26 +88,14 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         Scenes of which only a sample of the choices was searched.
     """
 
-    def __init__(
-        self,
-        *,
-        rules: RuleSetSettings | None = None,
-        averaged: bool = True,
-        n_trees: int = 200,
-        growth: GrowthSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-        class_weight: ClassWeight = None,
-    ) -> None:
-        self.rules = rules
-        self.averaged = averaged
-        self.n_trees = n_trees
-        self.growth = growth
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
-        self.class_weight = class_weight
+    rules: RuleSetSettings | None = None
+    averaged: bool = True
+    n_trees: int = 200
+    growth: GrowthSettings | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
+    class_weight: ClassWeight = None
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the rules.

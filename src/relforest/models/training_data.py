@@ -184,10 +184,8 @@ def _classes(
     if positive is None or (len(classes) == 2 and _is_meant(positive, classes[1])):
         return classes, codes
     if len(classes) != 2:
-        raise InputError(
-            f"positive is for two classes, but column {label!r} holds {len(classes)}: omit it, or choose from a "
-            f"column of two ({listed(classes)})"
-        )
+        held = f"{len(classes)} ({listed(classes)})"
+        raise InputError(f"positive is for two classes, but column {label!r} holds {held}: omit it")
     if not _is_meant(positive, classes[0]):
         raise InputError(
             f"positive must be one of the labels in column {label!r}, {classes[0]} and {classes[1]}, got "
