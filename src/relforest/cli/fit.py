@@ -240,7 +240,7 @@ def _report(data: TrainingData, learner: SceneLearner, outcome: str) -> None:
     if data.classes is None:
         low, mean, high = data.y.min(), data.y.mean(), data.y.max()
         print(
-            f"predictions are of {outcome}, {low:g} to {high:g} with mean {mean:.4g} in {len(data.y)} scenes"
+            f"predictions are of {outcome}, {low:.4g} to {high:.4g} with mean {mean:.4g} in {len(data.y)} scenes"
         )
         name, score = "R2", float(r2_score(data.y, predicted))
     elif len(data.classes) == 2:
