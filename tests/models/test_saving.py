@@ -74,7 +74,7 @@ def test_training_data_tell_how_to_apply_a_model(tmp_path: Path) -> None:
     assert isinstance(model, Model)
     assert (model.outcome, model.columns) == ("completed = True", data.columns)
     assert model.points
-    assert model.predictions(data.scenes).predicted[:2].tolist() == [True, False]
+    assert model.predictions(model.read_scenes(table)).predicted[:2].tolist() == [True, False]
     with pytest.raises(InputError, match="fitted to other data"):
         as_model(SMRFTreeRegressor(random_state=0).fit(data.scenes, data.y), data)
     with pytest.raises(InputError, match="data belong to estimators of scenes, not to a Model"):

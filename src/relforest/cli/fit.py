@@ -239,9 +239,8 @@ def _report(data: TrainingData, learner: SceneLearner, outcome: str) -> None:
     predicted = learner.predict(data.scenes)
     if data.classes is None:
         low, mean, high = data.y.min(), data.y.mean(), data.y.max()
-        print(
-            f"predictions are of {outcome}, {low:.4g} to {high:.4g} with mean {mean:.4g} in {len(data.y)} scenes"
-        )
+        found = f"{low:.4g} to {high:.4g} with mean {mean:.4g}"
+        print(f"predictions are of {outcome}, {found} in {len(data.y)} scenes")
         name, score = "R2", float(r2_score(data.y, predicted))
     elif len(data.classes) == 2:
         print(f"probabilities are of {outcome}, which {data.y.sum()} of {len(data.y)} scenes have")

@@ -74,7 +74,6 @@ def predict(options: PredictOptions) -> int:
     from relforest.cli.predict_stream import parquet_output, predict_files
     from relforest.models import prediction_table, read_model
     from relforest.scenes.dialect import Dialect
-    from relforest.scenes.scene_table import check_schema, read_scenes
     from relforest.support.files import write_text
     from relforest.support.parallel import checked_jobs
 
@@ -90,8 +89,7 @@ def predict(options: PredictOptions) -> int:
         check_free(options.out, force=options.force)
     model = read_model(options.model)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
-    scenes = read_scenes(options.table, model.columns, remedy=model.remedy, dialect=dialect).scenes
-    check_schema(options.table, scenes, model.schema)
+    scenes = model.read_scenes(options.table, dialect=dialect)
     text = _as_csv(prediction_table(model, scenes, n_jobs=options.jobs))
     if options.out is None:
         print_data(text)

@@ -12,7 +12,6 @@ from relforest.models import Model, prediction_table
 from relforest.scenes.parquet_files import PARQUET_SUFFIXES
 from relforest.scenes.parquet_source import ParquetSource, is_pattern, open_source
 from relforest.scenes.scene_stream import SceneBatch
-from relforest.scenes.scene_table import check_schema, open_scenes
 from relforest.support.errors import InputError
 from relforest.support.files import replacing
 
@@ -74,9 +73,7 @@ def predict_files(model: Model, table: Path, out: Path, *, n_jobs: int, force: b
     targets = _targets(source, out)
     for target in targets:
         check_free(target, force=force)
-    stream = open_scenes(source, model.columns, remedy=model.remedy)
-    check_schema(table, stream, model.schema)
-    batches = stream.batches()
+    batches = model.open_scenes(source).batches()
     first = next(batches)
     schema = prediction_table(model, first.scenes.take([])).schema
     batch: SceneBatch | None = first

@@ -118,10 +118,8 @@ def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
 def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
     from relforest.scenes.columns import listed
     from relforest.scenes.ids import plain
-    from relforest.scenes.scene_table import check_schema, read_scenes
 
-    scenes = read_scenes(path, model.columns, remedy=model.remedy, dialect=dialect).scenes
-    check_schema(path, scenes, model.schema)
+    scenes = model.read_scenes(path, dialect=dialect)
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
     positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
     if len(positions) > 1:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, final
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,11 @@ from relforest.forests.descriptions import ensemble_in_words, rule_set_in_words
 from relforest.forests.shares import logistic_shares, mean_shares
 from relforest.reports import QuestionPoints
 from relforest.scenes import Scenes, Schema
+from relforest.scenes.dialect import ANY_DIALECT, Dialect
 from relforest.scenes.frames import FrameLayout
+from relforest.scenes.parquet_source import ParquetSource
+from relforest.scenes.scene_stream import SceneStream
+from relforest.scenes.scene_table import check_schema, open_scenes, read_scenes
 from relforest.support.errors import InputError
 from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.trees.nodes import variable_name
@@ -24,6 +30,8 @@ __all__ = ["Kind", "Label", "Model", "Predictions", "n_classes"]
 
 Label = bool | int | str
 Kind = Literal["tree", "forest", "boosting", "rules"]
+
+_REMEDY: Final = "the model does not name the columns of its scenes, so use a file that was"
 
 
 @final
@@ -76,7 +84,7 @@ class Model:
     --------
     >>> import relforest as rf
     >>> model = rf.load("tree.json")  # doctest: +SKIP
-    >>> model.predictions(scenes).predicted  # doctest: +SKIP
+    >>> model.predictions(model.read_scenes("passes.csv")).predicted  # doctest: +SKIP
     """
 
     learned: Tree | Ensemble
@@ -144,10 +152,25 @@ class Model:
             return f"{self.label} = {self.classes[1]}" if self.label else "the positive class"
         return f"{self.label or 'the classes'} = {', '.join(map(str, self.classes))}"
 
-    @property
-    def remedy(self) -> str:
-        """What to do about a table of unknown columns, for error messages."""
-        return "the model does not name the columns of its scenes, so use a file that was"
+    def read_scenes(self, path: str | PathLike[str], *, dialect: Dialect = ANY_DIALECT) -> Scenes:
+        """Read scenes to apply the model to from a table, by the columns that it was learned from.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read or lacks the columns, or its scenes are of another kind.
+        ModelFormatError
+            If `Scenes.to_parquet` wrote the file and it was changed since.
+        """
+        scenes = read_scenes(Path(path), self.columns, remedy=_REMEDY, dialect=dialect).scenes
+        check_schema(Path(path), scenes, self.schema)
+        return scenes
+
+    def open_scenes(self, source: ParquetSource) -> SceneStream:
+        """Open Parquet files of any size, to be read in batches; see `read_scenes`."""
+        stream = open_scenes(source, self.columns, remedy=_REMEDY)
+        check_schema(Path(source.origin), stream, self.schema)
+        return stream
 
     def predictions(self, scenes: Scenes, *, n_jobs: int = 1) -> Predictions:
         """Apply the model to scenes of its schema, in `n_jobs` threads (-1 = one per core)."""
