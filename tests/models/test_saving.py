@@ -12,6 +12,7 @@ from sklearn.exceptions import NotFittedError
 from cli.command_lines import passes, write
 from forests.team_scenes import scenes_of
 from relforest import (
+    SMRFRPI,
     CovAggClassifier,
     SMRFBoostingRegressor,
     SMRFForestClassifier,
@@ -23,9 +24,8 @@ from relforest import (
 )
 from relforest.models import Model, as_model, read_training_data
 from relforest.rl import ValueFunction
-from relforest.rl.policy_file import write_policy, write_tree
 from relforest.support.errors import InputError, ModelFormatError
-from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, beside, near
+from rl.small_worlds import Picking
 
 RNG = np.random.default_rng(0)
 SCENES = scenes_of(RNG, 40)
@@ -122,19 +122,16 @@ def test_damaged_volumes_are_refused(tmp_path: Path, key: str, value: object) ->
         load(path)
 
 
-def test_a_run_folder_gives_its_policy(tmp_path: Path) -> None:
-    forests = ((near(SCHEMA),), (beside(), near(PICK_SCHEMA)))
-    names = (("0001-wait-1.json",), ("0001-pick-1.json", "0002-pick-1.json"))
-    for own, trees in zip(names, forests, strict=True):
-        for name, tree in zip(own, trees, strict=True):
-            write_tree(tmp_path, name, tree)
-    weights = (np.ones(7), np.ones(20))
-    write_policy(tmp_path, ValueFunction(SCHEMA, ACTION_TYPES, "densities+bits", forests, weights), names, 2)
-    found = load(tmp_path)
+def test_an_agent_is_saved_as_a_run_folder_and_its_values_come_back(tmp_path: Path) -> None:
+    agent = SMRFRPI(Picking(), random_state=0).learn(iterations=1, episodes=10, test_episodes=1)
+    save(agent, tmp_path / "run")
+    found = load(tmp_path / "run")
 
     assert isinstance(found, ValueFunction)
-    assert [kind.name for kind in found.action_types] == [kind.name for kind in ACTION_TYPES]
-    assert isinstance(load(tmp_path / "trees" / names[0][0]), Model)
+    assert found.action_types == agent.value_.action_types
+    assert [weights.tolist() for weights in found.weights] == [w.tolist() for w in agent.value_.weights]
+    trees = sorted((tmp_path / "run" / "trees").iterdir())
+    assert all(isinstance(load(tree), Model) for tree in trees)
 
 
 def test_only_what_was_learned_is_saved(tmp_path: Path) -> None:
