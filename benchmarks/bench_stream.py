@@ -15,8 +15,8 @@ from bench_tree import ATTRIBUTES, example_tree
 from pyarrow import parquet
 from table import Cell, Table
 
-from relforest.cli.columns import Columns
-from relforest.cli.model_file import Model, write_model
+from relforest.models import Model, write_model
+from relforest.scenes.frames import FrameLayout
 
 SCENES = (1_000, 100_000, 1_000_000)
 OBJECTS = 10
@@ -62,7 +62,7 @@ def spent(arguments: list[str]) -> tuple[float, float, float]:
 def run() -> Table:
     """Predict ever more scenes with two threads."""
     rows: list[tuple[Cell, ...]] = []
-    columns = Columns("scene", "object", tuple(zip(ATTRIBUTES, NAMES, strict=True)), ("A",))
+    columns = FrameLayout("scene", "object", tuple(zip(ATTRIBUTES, NAMES, strict=True)), ("A",))
     tree = example_tree(error_probability=0.1)
     with TemporaryDirectory() as place:
         folder = Path(place)

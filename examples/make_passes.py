@@ -1,7 +1,8 @@
 """Write passes.parquet: 600 invented soccer passes, one row per player.
 
-A pass fails if an opponent stands between passer and receiver. The table does not say so; `relforest fit`
-finds it out. Usage: ``python examples/make_passes.py [FILE]``.
+A pass fails if an opponent stands between passer and receiver: it is cut early or late. How much space the
+receiver has is the distance to the nearest other player. The table does not say so; `relforest fit` finds it
+out. Usage: ``python examples/make_passes.py [FILE]``.
 """
 
 from __future__ import annotations
@@ -14,11 +15,10 @@ import pyarrow.parquet as pq
 
 
 def passes(n_passes: int, seed: int) -> pa.Table:
-    """Return a table: pass, player, x, y (metres), theta (radians), passer, receiver, completed."""
+    """Return a table with places and space in metres, theta in radians."""
     rng = np.random.default_rng(seed)
-    rows: dict[str, list[object]] = {
-        name: [] for name in ("pass", "player", "x", "y", "theta", "passer", "receiver", "completed")
-    }
+    names = ("pass", "player", "x", "y", "theta", "passer", "receiver", "completed", "cut", "space")
+    rows: dict[str, list[object]] = {name: [] for name in names}
     for number in range(n_passes):
         places = rng.uniform(0.0, 20.0, size=(rng.integers(5, 9), 2))
         passer, receiver, *others = places
@@ -26,10 +26,14 @@ def passes(n_passes: int, seed: int) -> pa.Table:
         relative = np.array(others) - passer
         forward = relative @ along / (along @ along)
         sideways = np.abs(relative @ [-along[1], along[0]]) / (along @ along)
-        completed = not bool(((forward > 0.1) & (forward < 0.9) & (sideways < 0.2)).any())
+        stopped = forward[(forward > 0.1) & (forward < 0.9) & (sideways < 0.2)]
+        completed = not len(stopped)
+        cut = "no" if completed else "early" if stopped.min() < 0.5 else "late"
+        space = float(np.linalg.norm(np.array(others) - receiver, axis=1).min())
+        said = ("player 0", "player 1", completed, cut, space)
         for player, (x, y) in enumerate(places):
             values = (number, f"player {player}", x, y, rng.uniform(-np.pi, np.pi))
-            for name, value in zip(rows, (*values, "player 0", "player 1", completed), strict=True):
+            for name, value in zip(rows, (*values, *said), strict=True):
                 rows[name].append(value)
     return pa.table(rows)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 from matplotlib.figure import Figure
 from pyarrow import parquet
@@ -23,8 +24,7 @@ from mutations import (
     with_other_fields,
     with_other_values,
 )
-from relforest.cli.columns import Columns
-from relforest.cli.model_file import Model, read_model, write_model
+from relforest import CovAggClassifier, load, save
 from relforest.datasets import read_arff, read_c45, read_csv
 from relforest.experiments.claims import Findings
 from relforest.experiments.keepaway_team import Team
@@ -36,6 +36,7 @@ from relforest.experiments.table import Row, Table
 from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
 from relforest.forests.statements import Bound, Is, Near, Statement
 from relforest.mappings import Mapping as MappingFunction
+from relforest.models import Model, read_model, write_model
 from relforest.reports import QuestionPoints, save_figure, tree_figure
 from relforest.reports.run_report import metrics_table, run_report
 from relforest.reports.tree_path import path_in_words, tree_path
@@ -48,12 +49,13 @@ from relforest.runs.learner import METRIC_NAMES, Run
 from relforest.runs.manifest import held
 from relforest.runs.store import RunStore, metrics_of, read_checkpoint
 from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read_table
+from relforest.scenes.frames import FrameLayout
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
-from relforest.trees import Tree, query
+from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.volumes import Slab
 from relforest.worlds.keepaway.options import KeepawayOptions
-from reports.drawn_trees import NEAR, five_questions, question, scenes_of
+from reports.drawn_trees import NEAR, five_questions, one_question, question, scenes_of
 from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
 from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes
 
@@ -150,7 +152,9 @@ def _stream(source: Path, **columns: Any) -> None:
 
 def _model(folder: Path) -> None:
     names = (("x", "y"), ("theta",), ("r", "g", "b"), ("cost",))
-    columns = Columns("pass", None, tuple(zip(DRAWN_SCHEMA.attributes, names, strict=True)), ("passer",))
+    columns = FrameLayout(
+        "pass", "player", tuple(zip(DRAWN_SCHEMA.attributes, names, strict=True)), ("passer",)
+    )
     points = QuestionPoints(np.arange(8.0).reshape(-1, 2) / 3, np.arange(4) % 2 == 0)
     write_model(
         folder / "model.json",
@@ -176,7 +180,9 @@ def _ensemble(folder: Path) -> None:
         SceneTree((Split(Condition(1, asked, 2), 1, 2, 0.5), Value((0.3,), 4), Value((-0.1,), 7)))
         for asked in (statements[:2], statements[2:])
     )
-    columns = Columns("pass", None, ((location, ("x", "y")), (theta, ("theta",)), (team, ("team",))), ("p",))
+    columns = FrameLayout(
+        "pass", "player", ((location, ("x", "y")), (theta, ("theta",)), (team, ("team",))), ("p",)
+    )
     learned = Ensemble(TEAMS, np.zeros(1), trees, np.array([0.5, 0.25]))
     write_model(folder / "boosting.json", Model(learned, "boosting", "completed", ("no", "yes"), columns))
 
@@ -187,6 +193,34 @@ def _smrf_forest(folder: Path) -> None:
     write_model(folder / "forest.json", Model(learned, "forest", "", ("no", "yes"), None))
 
 
+def _forest_of_numbers(folder: Path) -> None:
+    tree = five_questions()
+    tree = tree.with_leaves([MeanLeaf(float(number), 0, 3, 0.5) for number in range(tree.n_leaves)])
+    learned = Ensemble(tree.schema, np.zeros(1), (tree, tree), np.array([0.5, 0.5]))
+    write_model(folder / "numbers.json", Model(learned, "forest", "speed", None, None))
+
+
+def _several_classes(folder: Path) -> None:
+    tree = one_question()
+    shares = ((0.5, 0.25, 0.25), (0.0, 1.0, 0.0), (0.25, 0.0, 0.75))
+    tree = tree.with_leaves([ClassLeaf(max(each[1:]), 2, 2, each, (2, 1, 1)) for each in shares])
+    write_model(folder / "classes.json", Model(tree, "tree", "where", ("a", "b", "c"), None))
+
+
+def _volume(folder: Path) -> None:
+    bags = np.arange(32.0).reshape(8, 2, 2) % 7
+    frames = [pd.DataFrame(bag, columns=["x", "y"]) for bag in bags]
+    save(CovAggClassifier(random_state=0).fit(frames, [0, 1] * 4), folder / "volume.json")
+
+
+def _use_volume(path: Path) -> None:
+    classifier = load(path)
+    assert isinstance(classifier, CovAggClassifier)
+    columns = getattr(classifier, "feature_names_in_", None)
+    bag = pd.DataFrame(np.zeros((3, classifier.n_features_in_)), columns=columns)
+    assert len(classifier.predict([bag])) == 1
+
+
 def _use_ensemble(path: Path) -> None:
     model = read_model(path)
     assert model.text
@@ -194,15 +228,16 @@ def _use_ensemble(path: Path) -> None:
     if model.schema == TEAMS:
         rows, count = np.arange(3), np.array([3])
         scenes = Scenes(model.schema, matrix, rows, np.array([0]), count, np.array([[0]]))
-        assert model.predictions(scenes, n_jobs=1).probability[0] >= 0.0
+        assert len(model.predictions(scenes).predicted) == 1
     if model.schema == SCENES.schema:
-        assert (model.predictions(SCENES, n_jobs=1).probability >= 0.0).all()
+        probability = model.predictions(SCENES).probability
+        assert probability is None or (probability >= 0.0).all()
 
 
 def _use_model(path: Path) -> None:
     model = read_model(path)
     assert str(model.tree)
-    assert str(model.positive)
+    assert model.outcome
     scene = None
     if model.tree.schema == SCENES.schema:
         query(model.tree, SCENES)
@@ -210,7 +245,7 @@ def _use_model(path: Path) -> None:
         assert path_in_words(model.tree, tree_path(model.tree, scene))
     # A picture takes a hundred times longer than the rest: a share of the cases gets one.
     if path.stat().st_size % 8 == 0:
-        figure = tree_figure(model.tree, points=model.points, highlight=scene, title=model.positive)
+        figure = tree_figure(model.tree, points=model.points, highlight=scene, title=model.outcome)
         save_figure(figure, path.with_suffix(".svg" if path.stat().st_size % 16 else ".png"))
 
 
@@ -352,6 +387,18 @@ FORMATS: Final[Mapping[str, Format]] = {
     ),
     "smrf-forest": Format(
         _smrf_forest, {"forest.json": _JSON}, lambda folder: _use_ensemble(folder / "forest.json"), 0.7
+    ),
+    "forest of numbers": Format(
+        _forest_of_numbers,
+        {"numbers.json": _JSON},
+        lambda folder: _use_ensemble(folder / "numbers.json"),
+        0.7,
+    ),
+    "tree of several classes": Format(
+        _several_classes, {"classes.json": _JSON}, lambda folder: _use_ensemble(folder / "classes.json"), 0.7
+    ),
+    "volume": Format(
+        _volume, {"volume.json": _JSON}, lambda folder: _use_volume(folder / "volume.json"), 0.7
     ),
     "tree": Format(
         lambda folder: (folder / "tree.json").write_text(json.dumps(_six_questions().to_dict())),

@@ -5,6 +5,7 @@ from . import (
     mappings,
     metrics,
     mil,
+    models,
     reports,
     rl,
     scenes,
@@ -23,6 +24,7 @@ from .forests import (
     SMRFRuleSetClassifier,
 )
 from .mil import CovAggClassifier
+from .models import load, save
 from .rl import SMRFRPI
 from .scenes import Attribute, Scenes, Schema, iter_scene_batches
 from .support.progress import Stage, listening
@@ -52,11 +54,14 @@ __all__ = [
     "forests",
     "iter_scene_batches",
     "listening",
+    "load",
     "mappings",
     "metrics",
     "mil",
+    "models",
     "reports",
     "rl",
+    "save",
     "scenes",
     "smdp",
     "support",

@@ -7,7 +7,7 @@ import pytest
 from pyarrow import parquet
 
 from cli.command_lines import COLUMNS, N_SCENES, CommandLine, passes, write
-from relforest.cli.model_file import read_model
+from relforest.models import read_model
 from relforest.scenes import Scenes
 
 
@@ -187,7 +187,9 @@ def test_an_unknown_positive_class_is_an_error(run: CommandLine, table: Path, tm
     outcome = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "maybe", "--out", out)
 
     assert outcome.code == 1
-    assert "--positive maybe is not a label in column 'completed': use False or True" in outcome.err
+    assert (
+        "positive must be one of the labels in column 'completed', False and True, got 'maybe'" in outcome.err
+    )
     assert not out.exists()
 
 
@@ -244,7 +246,7 @@ def test_the_positive_class_is_named_as_it_is_written(
     run("fit", table, *COLUMNS, "--label", "completed", "--positive", positive, "--out", out)
 
     assert read_model(out).classes == classes
-    complaint = "--positive 001 is not a label in column 'completed'"
+    complaint = "positive must be one of the labels in column 'completed'"
     again = run("fit", table, *COLUMNS, "--label", "completed", "--positive", "001", "--out", out, "--force")
     assert complaint in again.err
 

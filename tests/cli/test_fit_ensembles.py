@@ -11,7 +11,7 @@ import pytest
 from pyarrow import parquet
 
 from cli.command_lines import COLUMNS, N_SCENES, CommandLine, passes, write
-from relforest.cli.model_file import read_model
+from relforest.models import read_model
 
 SMALL = {"boosting": ("--trees", "30"), "forest": ("--trees", "5"), "rules": ("--trees", "5")}
 

@@ -9,8 +9,8 @@ import pytest
 from pyarrow import csv, parquet
 
 from cli.command_lines import N_SCENES, CommandLine, passes, write
-from relforest.cli import model_file, predict_stream
-from relforest.cli.model_file import Model
+from relforest.cli import predict_stream
+from relforest.models import Model
 from relforest.scenes import read_table
 from relforest.trees import query
 from reports.drawn_trees import one_question, scenes_of
@@ -118,7 +118,7 @@ def test_an_interruption_leaves_the_old_files(
         return query(*arguments, **options)
 
     (tmp_path / "all.parquet").write_text("old")
-    monkeypatch.setattr(model_file, "query", interrupted)
+    monkeypatch.setattr("relforest.models.model.query", interrupted)
 
     assert run("predict", model, parts, "--out", tmp_path / "all.parquet", "--force").code == 130
     assert (tmp_path / "all.parquet").read_text() == "old"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cli.command_lines import CommandLine
-from relforest.cli.model_file import read_model
+from relforest.models import read_model
 from reports.drawn_trees import one_question, scenes_of
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
-from forests.test_estimators import guest_on_the_left, scenes_of
+from forests.team_scenes import guest_on_the_left, scenes_of
 from relforest import SMRFForestClassifier
 from relforest.trees import TreeSettings
 

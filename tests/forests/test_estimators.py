@@ -12,6 +12,7 @@ from sklearn.base import clone
 from sklearn.model_selection import cross_val_score
 
 from forest_scenes import TEAM
+from forests.team_scenes import SCHEMA, guest_on_the_left, nearest, scenes_of
 from interpreted import INTERPRETED, compiled_only
 from relforest import (
     SMRFBoostingClassifier,
@@ -26,32 +27,6 @@ from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.rule_sets import Pool, RuleSetSettings, choose_rule_sets
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.errors import InputError, ModelFormatError
-
-SCHEMA = Schema([Attribute("location", 2), TEAM])
-
-
-def scenes_of(rng: np.random.Generator, n: int, n_objects: int = 4) -> Scenes:
-    """Objects at random places in a square of side 10, of random teams."""
-    matrix = np.column_stack([rng.uniform(0, 10, (n * n_objects, 2)), rng.integers(0, 3, n * n_objects)])
-    starts = np.arange(n) * n_objects
-    return Scenes(SCHEMA, matrix, np.arange(len(matrix)), starts, np.full(n, n_objects))
-
-
-def guest_on_the_left(scenes: Scenes) -> NDArray[np.bool_]:
-    """Is there an object of team guest with x at most 3?"""
-    found = (scenes.matrix[:, 0] <= 3) & (scenes.matrix[:, 2] == 1)
-    return np.array([found[scenes.objects(scene)].any() for scene in range(len(scenes))])
-
-
-def nearest(scenes: Scenes) -> NDArray[np.float64]:
-    """Distance between the two nearest objects of each scene."""
-    distances = []
-    for scene in range(len(scenes)):
-        places = scenes.matrix[scenes.objects(scene), :2]
-        gaps = np.linalg.norm(places[:, None] - places[None], axis=-1)
-        distances.append(gaps[np.triu_indices(len(places), 1)].min())
-    return np.array(distances)
-
 
 FEW = 2 if INTERPRETED else 15
 CLASSIFIERS: tuple[SceneEstimator, ...] = (

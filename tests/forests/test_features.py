@@ -14,7 +14,7 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.pipeline import make_pipeline
 
 from forest_scenes import holds, is_true, random_condition, random_scenes
-from forests.test_estimators import guest_on_the_left, scenes_of
+from forests.team_scenes import guest_on_the_left, scenes_of
 from random_trees import random_scenes as scenes_for_trees
 from random_trees import random_tree
 from relforest import SMRFForestClassifier, SMRFTreeClassifier

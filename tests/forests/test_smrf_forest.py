@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
-from forests.test_estimators import guest_on_the_left, nearest, scenes_of
+from forests.team_scenes import guest_on_the_left, nearest, scenes_of
 from interpreted import INTERPRETED, compiled_only
 from relforest import SMRFForestClassifier, SMRFForestRegressor
 from relforest.forests import Ensemble, GrowthSettings

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from relforest.runs.manifest import Manifest, checked_folder, differences, held, versions
 
+from relforest.runs.manifest import Manifest, checked_folder, differences, held, versions
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.locks import FolderLock
 

@@ -35,7 +35,7 @@ documents = st.dictionaries(
 )
 
 
-def read(path: Path, **options: int) -> dict[str, Any]:
+def read(path: Path, **options: Any) -> dict[str, Any]:
     return files.read_json(path, format="relforest-tree", version=2, **options)
 
 

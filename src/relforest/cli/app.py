@@ -38,9 +38,9 @@ COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "learn": "Learn a policy for a world with SMRF-RPI.",
         "play": "Play episodes of a world, and write a page that shows them.",
-        "fit": "Learn a tree from a table of labelled scenes.",
-        "predict": "Apply a learned tree to the scenes of a table.",
-        "show": "Show a learned tree in words and as a drawing.",
+        "fit": "Learn a model from a table of labelled scenes.",
+        "predict": "Apply a learned model to the scenes of a table.",
+        "show": "Show a learned model in words, and a tree as a drawing.",
         "experiment": "Run one of the studies, or list them.",
     }
 )

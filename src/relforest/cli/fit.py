@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, cast, final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
 from tyro.conf import Positional, UseAppendAction, arg
 
@@ -16,14 +16,9 @@ from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from relforest.cli.columns import Columns, SceneTable
-    from relforest.cli.model_file import Label
-    from relforest.forests import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
-    from relforest.trees import SMRFTreeClassifier
-
-    Learner = SMRFTreeClassifier | SMRFBoostingClassifier | SMRFForestClassifier | SMRFRuleSetClassifier
+    from relforest.models import TrainingData
+    from relforest.models.conversion import SceneLearner
+    from relforest.scenes.scene_stream import SceneColumns
 
 _OF_TREES: Final = ("test", "search", "alpha", "attempts", "permutations", "max_points")
 _MODELS: Final = ("tree", "boosting", "forest", "smrf-forest", "rules")
@@ -41,17 +36,17 @@ class FitOptions:
     r"""Learn a model from a table of labelled scenes, print it in words, and write it to a model file.
 
     The table is long: one row per object, with columns for the ids of the scene and of the object. The label
-    is a column too, with one value per scene: booleans, 0 and 1, -1 and +1, or two strings. The model
-    describes what exists in scenes of the positive class, which is the label that sorts last unless
-    --positive names the other one. Empty cells are undefined attributes. Ids are kept as written: 007 and 7
-    are different.
+    is a column too, with one value per scene: a class, or a number to predict. Of two classes, the model
+    describes what exists in scenes of the positive one, which is the label that sorts last unless --positive
+    names the other one. Empty cells are undefined attributes. Ids are kept as written: 007 and 7 are
+    different.
 
     For example:
       relforest fit passes.parquet --scene pass --object player \
           --attribute location=x,y --attribute orientation=theta:angle \
           --arguments passer,receiver --label completed --out tree.json
       relforest fit scenes.parquet --label completed --out tree.json
-      relforest fit scenes.parquet --label completed --model rules --out rules.json
+      relforest fit scenes.parquet --label speed --model boosting --out speed.json
 
     The second form is for files written by Scenes.to_parquet, with a label column added.
 
@@ -60,15 +55,18 @@ class FitOptions:
     table
         Parquet or CSV file, or a folder of Parquet files. A CSV file may be compressed (.csv.gz).
     label
-        Column of labels.
+        Column of what is to be predicted: words, booleans or numbers.
+    target
+        Whether the label is a class or a number. By default, numbers are predicted if some are not whole or
+        if there are more than 10 different ones.
     model
         What to learn: a tree with tests of significance; boosting, a sum of small trees, the most accurate
         on hundreds of scenes; a forest, the mean of larger trees; a forest of trees with tests of
-        significance (smrf-forest), half of them for the other class; or rules, of which one must hold: the
-        shortest description, and the most accurate on a few dozen scenes.
+        significance (smrf-forest), half of them for the other one of two classes; or rules, of which one must
+        hold, for two classes: the shortest description, and the most accurate on a few dozen scenes.
     positive
-        The label that the model explains, written as in the table; for example False to find the causes of
-        failures.
+        The one of two labels that the model explains, written as in the table; for example False to find the
+        causes of failures.
     out
         Model file to write (JSON). Besides what was learned it stores the names of the columns and, for the
         drawings of trees by relforest show, up to 150 training points of each class per question.
@@ -127,6 +125,7 @@ class FitOptions:
     separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    target: Literal["auto", "classes", "numbers"] = "auto"
     positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
     model: Literal["tree", "boosting", "forest", "smrf-forest", "rules"] = "tree"
     trees: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
@@ -144,122 +143,132 @@ class FitOptions:
 
 def fit(options: FitOptions) -> int:
     """Learn a model with the given options; the exit code is 0."""
-    from relforest.cli.columns import read_labels, read_scenes
-    from relforest.cli.model_file import Model, write_model
-    from relforest.metrics import peirce_skill_score
-    from relforest.reports import question_points
+    from relforest.models import as_model, read_training_data, write_model
     from relforest.scenes.dialect import Dialect
     from relforest.support.options import at_least
     from relforest.support.parallel import checked_jobs
-    from relforest.trees import SMRFTreeClassifier
 
     at_least("seed", options.seed, 0)
     checked_jobs(options.jobs)
     check_free(options.out, force=options.force)
-    dialect = Dialect(options.separator, options.decimal, options.encoding)
-    source = read_scenes(
-        options.table, _columns(options), remedy=_REMEDY, label=options.label, dialect=dialect
+    data = read_training_data(
+        options.table,
+        options.label,
+        target=options.target,
+        positive=options.positive,
+        dialect=Dialect(options.separator, options.decimal, options.encoding),
+        remedy=_REMEDY,
+        **_columns(options),
     )
-    labels = read_labels(source, options.label)
-    classes = _classes(labels, options)
-    positive = labels == classes[1]
-    learner = _learner(options)
-    with working(f"learning from {len(source.scenes)} scenes"):
-        learner.fit(source.scenes, positive)
-    points = {}
-    if isinstance(learner, SMRFTreeClassifier):
-        points = question_points(learner.tree_, source.scenes, positive)
-    learned = learner.tree_ if isinstance(learner, SMRFTreeClassifier) else learner.ensemble_
-    kind = "forest" if options.model == "smrf-forest" else options.model
-    model = Model(learned, kind, options.label, classes, source.columns, points)
-    score = peirce_skill_score(positive, learner.predict(source.scenes))
-    print(model.text)
-    print()
-    print(f"probabilities are of {model.positive}, which {positive.sum()} of {len(labels)} scenes have")
-    print(f"Peirce skill score on the training scenes: {score:.3f}")
+    learner = _learner(options, data)
+    with working(f"learning from {len(data.scenes)} scenes"):
+        learner.fit(data.scenes, data.y)
+    model = as_model(learner, data)
+    print(f"{model.text}\n")
+    _report(data, learner, model.outcome)
     write_model(options.out, model)
-    _comment(options, source, learner)
+    _comment(options, len(data.scenes), learner)
     return 0
 
 
-def _learner(options: FitOptions) -> Learner:
+def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
     """Return the estimator to fit.
 
     Raises
     ------
     InputError
-        If an option belongs to another kind of model.
+        If an option belongs to another kind of model, or the model is for other labels.
     """
-    from relforest import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
+    import relforest
     from relforest.forests import GrowthSettings
     from relforest.forests.forest_estimators import FOREST_GROWTH
     from relforest.forests.rule_set_estimator import RULE_GROWTH
-    from relforest.trees import SMRFTreeClassifier, TreeSettings
+    from relforest.trees import TreeSettings
 
     for field in fields(options):
         kinds = _OPTIONS.get(field.name, _MODELS)
         if options.model not in kinds and getattr(options, field.name) != field.default:
             name = field.name.replace("_", "-")
             raise InputError(f"--{name} is an option of --model {', '.join(kinds)}, not of {options.model}")
-    seed, jobs = options.seed, options.jobs
-    chosen = {name: getattr(options, name) for name in _OF_TREES}
-    if options.model == "tree":
-        return SMRFTreeClassifier(**chosen, random_state=seed, n_jobs=jobs)
-    if options.model == "smrf-forest":
-        trees = TreeSettings(**chosen)
-        n_trees = options.trees or 100
-        return SMRFForestClassifier(n_trees=n_trees, growth=trees, random_state=seed, n_jobs=jobs)
-    defaults = {"boosting": GrowthSettings(), "forest": FOREST_GROWTH, "rules": RULE_GROWTH}
-    growth = replace(defaults[options.model], max_free=options.objects)
-    if options.model == "forest":
-        n_trees = options.trees or 100
-        return SMRFForestClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
-    if options.model == "rules":
-        n_trees = options.trees or 200
-        return SMRFRuleSetClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
-    n_trees = options.trees or 100
-    return SMRFBoostingClassifier(n_trees=n_trees, growth=growth, random_state=seed, n_jobs=jobs)
-
-
-def _classes(labels: NDArray[Any], options: FitOptions) -> tuple[Label, Label]:
-    """Return the negative and the positive class."""
-    from relforest.scenes.labels import binary_labels
-
-    first, second = binary_labels(labels, len(labels), what="scenes").classes.tolist()
-    if options.positive is None or _is_meant(options.positive, second):
-        return first, second
-    if _is_meant(options.positive, first):
-        return second, first
-    raise InputError(
-        f"--positive {options.positive} is not a label in column {options.label!r}: use {first} or {second}"
+    if options.model == "rules" and (data.classes is None or len(data.classes) > 2):
+        found = "numbers" if data.classes is None else f"{len(data.classes)} classes"
+        raise InputError(
+            f"--model rules is for two classes, but column {data.label!r} holds {found}: use --model boosting"
+        )
+    chosen: dict[str, Any] = {name: getattr(options, name) for name in _OF_TREES}
+    if options.model != "tree":
+        conditions = {"boosting": GrowthSettings(), "forest": FOREST_GROWTH, "rules": RULE_GROWTH}
+        if options.model == "smrf-forest":
+            chosen = {"growth": TreeSettings(**chosen)}
+        else:
+            chosen = {"growth": replace(conditions[options.model], max_free=options.objects)}
+        if options.trees is not None:
+            chosen["n_trees"] = options.trees
+    names = {"tree": "Tree", "boosting": "Boosting", "rules": "RuleSet"}
+    kind = "Regressor" if data.classes is None else "Classifier"
+    learner: SceneLearner = getattr(relforest, f"SMRF{names.get(options.model, 'Forest')}{kind}")(
+        **chosen, random_state=options.seed, n_jobs=options.jobs
     )
+    return learner
 
 
-def _is_meant(text: str, label: Label) -> bool:
-    """Return whether a text is how a label is written, in messages or in a table."""
-    from relforest.scenes.label_text import parsed_label
-
-    written = parsed_label(text)
-    return text == str(label) or (written == label and isinstance(written, bool) == isinstance(label, bool))
-
-
-def _columns(options: FitOptions) -> Columns | None:
-    from relforest.cli.columns import Columns, parse_attributes, parse_names
+def _columns(options: FitOptions) -> SceneColumns:
+    from relforest.cli.columns import parse_attributes, parse_names
 
     attributes, arguments = parse_attributes(options.attribute), parse_names(options.arguments)
     if options.scene is None and options.object is None and not attributes and not arguments:
-        return None
+        return {}
     if options.scene is None or not attributes:
         missing = "--scene COLUMN" if options.scene is None else "--attribute NAME=COLUMN,..."
         raise InputError(f"{missing} is missing: it is required if any column is named")
-    return Columns(options.scene, options.object, attributes, arguments)
+    return {
+        "scene": options.scene,
+        "object": options.object,
+        "attributes": attributes,
+        "arguments": arguments,
+    }
 
 
-def _comment(options: FitOptions, source: SceneTable, learner: Learner) -> None:
-    if options.model == "tree":
-        _comment_tree(options, source, cast("SMRFTreeClassifier", learner))
+def _report(data: TrainingData, learner: SceneLearner, outcome: str) -> None:
+    """Print what the numbers of a model are of, and how well it predicts."""
+    import numpy as np
+    from sklearn.metrics import r2_score
+
+    from relforest.metrics import peirce_skill_score
+
+    predicted = learner.predict(data.scenes)
+    if data.classes is None:
+        low, mean, high = data.y.min(), data.y.mean(), data.y.max()
+        found = f"{low:.4g} to {high:.4g} with mean {mean:.4g}"
+        print(f"predictions are of {outcome}, {found} in {len(data.y)} scenes")
+        name, score = "R2", float(r2_score(data.y, predicted))
+    elif len(data.classes) == 2:
+        print(f"probabilities are of {outcome}, which {data.y.sum()} of {len(data.y)} scenes have")
+        name, score = "Peirce skill score", peirce_skill_score(data.y, predicted)
+    else:
+        counts = ", ".join(map(str, np.bincount(data.y)))
+        print(f"probabilities are of {outcome}, which {counts} of {len(data.y)} scenes have")
+        name, score = "accuracy", float((predicted == data.y).mean())
+    print(f"{name} on the training scenes: {score:.3f}")
+    unseen = getattr(learner, "oob_score_", None)
+    if unseen is not None:
+        name = "R2" if data.classes is None else "accuracy"
+        print(f"{name} on them by the trees that did not see them: {unseen:.3f}")
+
+
+def _comment(options: FitOptions, n_scenes: int, learner: SceneLearner) -> None:
+    """Tell what the search could not do, and where the model is."""
+    from relforest.trees import SMRFTreeClassifier, SMRFTreeRegressor
+
+    if isinstance(learner, SMRFTreeClassifier | SMRFTreeRegressor):
+        if learner.tree_.is_stub:
+            note(
+                f"no question was significant at alpha = {options.alpha:g} on {n_scenes} scenes, so the tree "
+                "is a single leaf"
+            )
+        _comment_search(options, learner.n_sampled_, learner.n_left_out_)
     elif options.model == "smrf-forest":
-        _comment_search(options, cast("SMRFForestClassifier", learner), "of a tree ")
+        _comment_search(options, learner.n_sampled_, getattr(learner, "n_left_out_", 0), "of a tree ")
     elif learner.n_sampled_:
         note(
             f"in {learner.n_sampled_} scenes a sample of the possible pairs of objects was searched, because "
@@ -268,26 +277,15 @@ def _comment(options: FitOptions, source: SceneTable, learner: Learner) -> None:
     note(f"wrote {options.out}")
 
 
-def _comment_tree(options: FitOptions, source: SceneTable, classifier: SMRFTreeClassifier) -> None:
-    if classifier.tree_.is_stub:
+def _comment_search(options: FitOptions, n_sampled: int, n_left_out: int, of: str = "") -> None:
+    if n_sampled:
         note(
-            f"no question was significant at alpha = {options.alpha:g} on {len(source.scenes)} scenes, so "
-            "the tree is a single leaf"
+            f"{n_sampled} possible questions {of}were searched by a sample, because each has more than "
+            f"{options.max_points} instantiation sequences"
         )
-    _comment_search(options, classifier)
-
-
-def _comment_search(
-    options: FitOptions, learner: SMRFTreeClassifier | SMRFForestClassifier, of: str = ""
-) -> None:
-    if learner.n_sampled_:
-        note(
-            f"{learner.n_sampled_} possible questions {of}were searched by a sample, because each has more "
-            f"than {options.max_points} instantiation sequences"
-        )
-    if learner.n_left_out_:
+    if n_left_out:
         much = "" if options.search == "exhaustive" else "100 times "
         note(
-            f"{learner.n_left_out_} possible questions {of}were skipped because each has more than "
+            f"{n_left_out} possible questions {of}were skipped because each has more than "
             f"{much}{options.max_points} instantiation sequences: raise --max-points to include them"
         )

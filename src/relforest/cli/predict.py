@@ -1,4 +1,4 @@
-"""``relforest predict``: apply a tree to the scenes of a table."""
+"""``relforest predict``: apply a model to the scenes of a table."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -17,8 +17,7 @@ from relforest.cli.outputs import check_free, print_data
 from relforest.cli.progress import note, working
 
 if TYPE_CHECKING:
-    from relforest.cli.model_file import Model
-    from relforest.scenes import Scenes
+    from relforest.scenes.arrow import ArrowTable
 
 
 @final
@@ -26,10 +25,11 @@ if TYPE_CHECKING:
 class PredictOptions:
     """Apply a learned model to the scenes of a table.
 
-    The result is one row per scene: its id, the probability of the positive class, the more probable class,
-    and for a tree the number of the leaf that decided and the ids of the objects that led to it, one column
-    per variable. The table needs the columns that the model was learned from, except the labels; its scenes
-    may have different numbers of objects.
+    The result is one row per scene: its id, the probability of the positive class and the more probable class
+    (of several classes the most probable one and the probability of each, or the predicted number), and for a
+    tree the number of the leaf that decided and the ids of the objects that led to it, one column per
+    variable. The table needs the columns that the model was learned from, except the labels; its scenes may
+    have different numbers of objects.
 
     Predictions are CSV, or Parquet if the table is. Parquet files of any size are read and written in pieces;
     the rows of a scene must then be together. A folder gets a file for each one read, under the same name.
@@ -71,9 +71,8 @@ class PredictOptions:
 
 def predict(options: PredictOptions) -> int:
     """Predict with the given options; the exit code is 0."""
-    from relforest.cli.columns import check_schema, read_scenes
-    from relforest.cli.model_file import read_model
     from relforest.cli.predict_stream import parquet_output, predict_files
+    from relforest.models import prediction_table, read_model
     from relforest.scenes.dialect import Dialect
     from relforest.support.files import write_text
     from relforest.support.parallel import checked_jobs
@@ -84,38 +83,29 @@ def predict(options: PredictOptions) -> int:
         model = read_model(options.model)
         with working(f"predicting {options.table}"):
             n_scenes = predict_files(model, options.table, out, n_jobs=options.jobs, force=options.force)
-        note(f"wrote {n_scenes} predictions of {model.positive} to {out}")
+        note(f"wrote {n_scenes} predictions of {model.outcome} to {out}")
         return 0
     if options.out is not None:
         check_free(options.out, force=options.force)
     model = read_model(options.model)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
-    scenes = read_scenes(options.table, model.columns, remedy=model.remedy, dialect=dialect).scenes
-    check_schema(options.table, scenes, model.schema)
-    text = _as_csv(model, scenes, options.jobs)
+    scenes = model.read_scenes(options.table, dialect=dialect)
+    text = _as_csv(prediction_table(model, scenes, n_jobs=options.jobs))
     if options.out is None:
         print_data(text)
     else:
         write_text(options.out, text)
-        note(f"wrote {len(scenes)} predictions of {model.positive} to {options.out}")
+        note(f"wrote {len(scenes)} predictions of {model.outcome} to {options.out}")
     return 0
 
 
-def _as_csv(model: Model, scenes: Scenes, n_jobs: int) -> str:
-    from relforest.scenes.ids import plain
-
-    found = model.predictions(scenes, n_jobs=n_jobs)
+def _as_csv(table: ArrowTable) -> str:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    leaf = [] if found.leaf is None else ["leaf"]
-    writer.writerow(
-        ["scene", "probability", "predicted", *leaf, *(f"witness_{each}" for each in found.witnesses)]
-    )
-    for number, probability in enumerate(found.probability.tolist()):
-        rows = [int(rows[number]) for rows in found.witnesses.values()]
-        witnesses = ["" if row < 0 else plain(scenes.object_ids[row]) for row in rows]
-        decided = [] if found.leaf is None else [int(found.leaf[number])]
-        predicted = model.classes[int(probability >= 0.5)]
-        scene = plain(scenes.scene_ids[number])
-        writer.writerow([scene, f"{probability:.6g}", predicted, *decided, *witnesses])
+    writer.writerow(table.column_names)
+    columns = [
+        [f"{value:.6g}" if isinstance(value, float) else value for value in column.to_pylist()]
+        for column in table.columns
+    ]
+    writer.writerows(zip(*columns, strict=True))
     return stream.getvalue()

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import pyarrow as pa
 from pyarrow import parquet
 
-from relforest.cli.columns import check_schema, open_scenes
-from relforest.cli.model_file import Model
 from relforest.cli.outputs import check_free
-from relforest.scenes import Scenes
-from relforest.scenes.arrow import ArrowArray, ArrowTable
-from relforest.scenes.ids import IdArray
+from relforest.models import Model, prediction_table
 from relforest.scenes.parquet_files import PARQUET_SUFFIXES
 from relforest.scenes.parquet_source import ParquetSource, is_pattern, open_source
 from relforest.scenes.scene_stream import SceneBatch
@@ -80,11 +73,9 @@ def predict_files(model: Model, table: Path, out: Path, *, n_jobs: int, force: b
     targets = _targets(source, out)
     for target in targets:
         check_free(target, force=force)
-    stream = open_scenes(source, model.columns, remedy=model.remedy)
-    check_schema(table, stream, model.schema)
-    batches = stream.batches()
+    batches = model.open_scenes(source).batches()
     first = next(batches)
-    schema = _predictions(model, first.scenes.take([]), n_jobs=1).schema
+    schema = prediction_table(model, first.scenes.take([])).schema
     batch: SceneBatch | None = first
     n_scenes = 0
     # The files get their names when all of them are complete.
@@ -93,7 +84,7 @@ def predict_files(model: Model, table: Path, out: Path, *, n_jobs: int, force: b
             temporary = complete.enter_context(replacing(target))
             with parquet.ParquetWriter(temporary, schema, compression="zstd") as writer:
                 while batch is not None and (len(targets) == 1 or batch.file == number):
-                    writer.write_table(_predictions(model, batch.scenes, n_jobs))
+                    writer.write_table(prediction_table(model, batch.scenes, n_jobs=n_jobs))
                     n_scenes += len(batch.scenes)
                     batch = next(batches, None)
     return n_scenes
@@ -119,31 +110,3 @@ def _targets(source: ParquetSource, out: Path) -> list[Path]:
     if clash is not None:
         raise InputError(f"{clash} is part of the table and is not replaced: choose another --out")
     return targets
-
-
-def _predictions(model: Model, scenes: Scenes, n_jobs: int) -> ArrowTable:
-    """Return the columns of the command's CSV for some scenes."""
-    found = model.predictions(scenes, n_jobs=n_jobs)
-    object_ids = _ids(scenes.object_ids)
-    columns: dict[str, Any] = {
-        "scene": _ids(scenes.scene_ids),
-        "probability": found.probability,
-        "predicted": _classes(model).take(pa.array((found.probability >= 0.5).astype(np.int64))),
-    }
-    if found.leaf is not None:
-        columns["leaf"] = found.leaf
-    for name, rows in found.witnesses.items():
-        columns[f"witness_{name}"] = object_ids.take(pa.array(rows, mask=rows < 0))
-    return pa.table(columns)
-
-
-def _ids(ids: IdArray) -> ArrowArray:
-    return pa.array(ids, pa.string() if ids.dtype == object else pa.int64())
-
-
-def _classes(model: Model) -> ArrowArray:
-    """Return the two classes as they are if they have a common type, or else as they are printed."""
-    try:
-        return pa.array(list(model.classes))
-    except (pa.ArrowException, OverflowError):
-        return pa.array([str(label) for label in model.classes])

@@ -1,4 +1,4 @@
-"""``relforest show``: print or draw a tree."""
+"""``relforest show``: print a model, or draw a tree."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -16,7 +16,7 @@ from relforest.cli.progress import note
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
-    from relforest.cli.model_file import Model
+    from relforest.models import Model
     from relforest.scenes import Scenes
     from relforest.scenes.dialect import Dialect
 
@@ -69,10 +69,10 @@ class ShowOptions:
 
 
 def show(options: ShowOptions) -> int:
-    """Show a tree with the given options; the exit code is 0."""
+    """Show a model with the given options; the exit code is 0."""
     chosen = _chosen_scene(options)
 
-    from relforest.cli.model_file import read_model
+    from relforest.models import read_model
     from relforest.reports import save_figure, tree_figure
     from relforest.reports.figure_files import check_suffix
     from relforest.reports.tree_path import path_in_words, tree_path
@@ -91,7 +91,7 @@ def show(options: ShowOptions) -> int:
         print()
         print(path_in_words(model.tree, tree_path(model.tree, scene)))
     if options.out is not None:
-        title = f"Probability of {model.positive}"
+        title = f"{'Mean' if model.classes is None else 'Probability'} of {model.outcome}"
         figure = tree_figure(model.tree, points=model.points, highlight=scene, title=title)
         save_figure(figure, options.out)
         note(f"wrote {options.out}")
@@ -116,12 +116,10 @@ def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
 
 
 def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
-    from relforest.cli.columns import check_schema, read_scenes
     from relforest.scenes.columns import listed
     from relforest.scenes.ids import plain
 
-    scenes = read_scenes(path, model.columns, remedy=model.remedy, dialect=dialect).scenes
-    check_schema(path, scenes, model.schema)
+    scenes = model.read_scenes(path, dialect=dialect)
     ids = [plain(scene_id) for scene_id in scenes.scene_ids]
     positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
     if len(positions) > 1:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
-from scipy.special import expit, softmax
 from sklearn.base import ClassifierMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
@@ -16,6 +16,7 @@ from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
@@ -27,29 +28,18 @@ if TYPE_CHECKING:
     from relforest.trees.weights import ClassWeight
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class _Boosting(SceneEstimator, ABC):
     """The parameters of boosting, and the fit."""
 
-    def __init__(
-        self,
-        *,
-        n_trees: int = 100,
-        learning_rate: float = 0.1,
-        max_scenes: int = 256,
-        validation: float = 0.0,
-        growth: GrowthSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.n_trees = n_trees
-        self.learning_rate = learning_rate
-        self.max_scenes = max_scenes
-        self.validation = validation
-        self.growth = growth
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    n_trees: int = 100
+    learning_rate: float = 0.1
+    max_scenes: int = 256
+    validation: float = 0.0
+    growth: GrowthSettings | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings]:
         how = BoostingSettings(self.n_trees, self.learning_rate, self.max_scenes, self.validation)
@@ -68,6 +58,7 @@ class _Boosting(SceneEstimator, ABC):
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
     """Sum of small trees of conditions, fitted to the gradient of the log likelihood.
 
@@ -126,30 +117,7 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
     'distance(location) of C, D'
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        n_trees: int = 100,
-        learning_rate: float = 0.1,
-        max_scenes: int = 256,
-        validation: float = 0.0,
-        growth: GrowthSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-        class_weight: ClassWeight = None,
-    ) -> None:
-        super().__init__(
-            n_trees=n_trees,
-            learning_rate=learning_rate,
-            max_scenes=max_scenes,
-            validation=validation,
-            growth=growth,
-            random_state=random_state,
-            n_jobs=n_jobs,
-            verbose=verbose,
-        )
-        self.class_weight = class_weight
+    class_weight: ClassWeight = None
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the trees.
@@ -185,10 +153,7 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, n_classes)."""
-        scores = self._scores(scenes)
-        if scores.shape[1] > 1:
-            return np.asarray(softmax(scores, axis=1))
-        return np.column_stack([expit(-scores[:, 0]), expit(scores[:, 0])])
+        return logistic_shares(self._scores(scenes))
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, Final, Self, Unpack, final
 
@@ -15,6 +16,7 @@ from relforest.forests.forest import Forest, ForestSettings, grow_forest, grow_f
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.members import Wanted
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import mean_shares
 from relforest.scenes import sample_scenes
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
@@ -35,27 +37,17 @@ _SAMPLES: Final = 2
 FOREST_GROWTH: Final = GrowthSettings(max_leaves=30, share=0.25, min_scenes=2, penalty=0.5)
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class _Forest(SceneEstimator, ABC):
     """The parameters of forests, and the fit."""
 
-    def __init__(
-        self,
-        *,
-        n_trees: int = 100,
-        max_samples: float = 0.632,
-        growth: GrowthSettings | TreeSettings | None = None,
-        negated: float | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.n_trees = n_trees
-        self.max_samples = max_samples
-        self.growth = growth
-        self.negated = negated
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    n_trees: int = 100
+    max_samples: float = 0.632
+    growth: GrowthSettings | TreeSettings | None = None
+    negated: float | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the trees.
@@ -146,6 +138,7 @@ class _Forest(SceneEstimator, ABC):
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # scikit-learn is untyped
     """Mean of trees, each grown from a random sample of the scenes: trees of conditions, or SMRF trees.
 
@@ -211,28 +204,7 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
     27.8 %  +0.250 / +0.000  there are A and B such that B is between 0.414 and 3.07 from A
     """
 
-    def __init__(
-        self,
-        *,
-        n_trees: int = 100,
-        max_samples: float = 0.632,
-        growth: GrowthSettings | TreeSettings | None = None,
-        negated: float | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-        class_weight: ClassWeight = None,
-    ) -> None:
-        super().__init__(
-            n_trees=n_trees,
-            max_samples=max_samples,
-            growth=growth,
-            negated=negated,
-            random_state=random_state,
-            n_jobs=n_jobs,
-            verbose=verbose,
-        )
-        self.class_weight = class_weight
+    class_weight: ClassWeight = None
 
     def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> Wanted:
         targets = class_targets(y, n, sample_weight, self.class_weight)
@@ -242,16 +214,16 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
         return Wanted(numbers, targets.weights, of_classes=True)
 
     def _judge(self, unseen: NDArray[np.float64], wanted: Wanted) -> None:
-        self.oob_decision_function_ = _probabilities(unseen)
+        self.oob_decision_function_ = mean_shares(unseen)
         judged = ~np.isnan(self.oob_decision_function_[:, 0])
-        right = self.oob_decision_function_[judged].argmax(axis=1) == _probabilities(
+        right = self.oob_decision_function_[judged].argmax(axis=1) == mean_shares(
             wanted.numbers[judged]
         ).argmax(axis=1)
         self.oob_score_ = float(right.mean()) if judged.any() else float("nan")
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, n_classes)."""
-        return _probabilities(self._scores(scenes))
+        return mean_shares(self._scores(scenes))
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""
@@ -296,12 +268,3 @@ class SMRFForestRegressor(RegressorMixin, _Forest):  # type: ignore[misc]  # sci
 
     def _scored(self) -> str:
         return "the target"
-
-
-def _probabilities(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return probabilities of all classes, which add up to 1."""
-    if scores.shape[1] == 1:
-        positive = np.clip(scores[:, 0], 0.0, 1.0)
-        return np.column_stack([1.0 - positive, positive])
-    bounded = np.clip(scores, 0.0, None)
-    return np.asarray(bounded / bounded.sum(axis=1, keepdims=True))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
-from scipy.special import expit, logit, xlogy
+from scipy.special import logit, xlogy
 from sklearn.base import ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
@@ -26,6 +27,7 @@ from relforest.forests.rule_sets import (
 )
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
@@ -45,6 +47,7 @@ RULE_GROWTH: Final = GrowthSettings(max_leaves=4, share=0.2)
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[misc]  # scikit-learn is untyped
     """Rule set: any of a few conditions holds, chosen by description length.
 
@@ -85,26 +88,14 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         Scenes of which only a sample of the choices was searched.
     """
 
-    def __init__(
-        self,
-        *,
-        rules: RuleSetSettings | None = None,
-        averaged: bool = True,
-        n_trees: int = 200,
-        growth: GrowthSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-        class_weight: ClassWeight = None,
-    ) -> None:
-        self.rules = rules
-        self.averaged = averaged
-        self.n_trees = n_trees
-        self.growth = growth
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
-        self.class_weight = class_weight
+    rules: RuleSetSettings | None = None
+    averaged: bool = True
+    n_trees: int = 200
+    growth: GrowthSettings | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
+    class_weight: ClassWeight = None
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the rules.
@@ -148,8 +139,7 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, (n_scenes, 2)."""
-        positive = expit(self._scores(scenes)[:, 0])
-        return np.column_stack([1.0 - positive, positive])
+        return logistic_shares(self._scores(scenes))
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""

@@ -1,7 +1,7 @@
 """Permission to write into a folder: it must be empty or contain an earlier part of the same work.
 
-The first file that a run or a study writes, its manifest, records what the results depend on. `held` locks the folder
-and compares that file with the present request.
+The first file that a run or a study writes, its manifest, records what the results depend on. `held` locks
+the folder and compares that file with the present request.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ class FrameLayout:
     scene: str
     object: str | None
     attributes: tuple[tuple[Attribute, tuple[str, ...]], ...]
-    arguments: tuple[str, ...]
+    arguments: tuple[str, ...] = ()
 
     @property
     def columns(self) -> list[str]:

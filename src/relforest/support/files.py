@@ -21,6 +21,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import blake2b
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 from numpy.typing import NDArray
@@ -176,7 +177,12 @@ def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> Non
 
 
 def read_json(
-    path: str | os.PathLike[str], *, format: str, version: int, max_bytes: int = MAX_DOCUMENT_BYTES
+    path: str | os.PathLike[str],
+    *,
+    format: str,
+    version: int,
+    others: Mapping[str, int] = MappingProxyType({}),
+    max_bytes: int = MAX_DOCUMENT_BYTES,
 ) -> dict[str, Any]:
     """Read one of the library's JSON documents and check it.
 
@@ -188,6 +194,8 @@ def read_json(
         The required value of the key "format".
     version : int
         The newest value of the key "version" that the caller can read.
+    others : mapping of str to int
+        Other formats that the caller accepts, and their newest versions.
     max_bytes : int
         Larger files are rejected without being read.
 
@@ -204,6 +212,9 @@ def read_json(
     data = _read_regular_file(path, max_bytes)
     check_extent(data, str(path))
     document = _parse_json(data, f"{path} is not a {format} file")
+    found = document.get("format") if isinstance(document, dict) else None
+    if isinstance(found, str) and found in others:
+        format, version = found, others[found]
     return check_document(document, format=format, version=version, origin=str(path))
 
 

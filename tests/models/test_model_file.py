@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from relforest.cli.columns import Columns
-from relforest.cli.model_file import MOST_POINTS, Model, read_model, write_model
+from relforest.models import Model, read_model, write_model
+from relforest.models.model_file import MOST_POINTS
 from relforest.reports import QuestionPoints
+from relforest.scenes.frames import FrameLayout
 from relforest.support.errors import ModelFormatError
 from reports.drawn_trees import SCHEMA, five_questions, one_question
 
 NAMES = (("x", "y"), ("theta",), ("r", "g", "b"), ("cost",))
-COLUMNS = Columns("pass", None, tuple(zip(SCHEMA.attributes, NAMES, strict=True)), ("passer",))
+COLUMNS = FrameLayout("pass", "player", tuple(zip(SCHEMA.attributes, NAMES, strict=True)), ("passer",))
 
 
 def a_model(n_points: int = 4) -> Model:
@@ -37,7 +38,7 @@ def test_a_model_comes_back_as_it_was(tmp_path: Path) -> None:
 
     assert found.tree.to_dict() == model.tree.to_dict()
     assert (found.label, found.classes, found.columns) == (model.label, model.classes, COLUMNS)
-    assert found.positive == "completed = True"
+    assert found.outcome == "completed = True"
     # Positive points come first; 1/3, 2/3 and so on are kept to five digits.
     assert found.points[2].points.tolist() == [[0, 0.33333], [1.3333, 1.6667], [0.66667, 1], [2, 2.3333]]
     assert found.points[2].positive.tolist() == [True, True, False, False]
@@ -73,7 +74,7 @@ def test_bare_trees_are_models_without_names(tmp_path: Path) -> None:
     model = read_model(path)
 
     assert model.tree.to_dict() == five_questions().to_dict()
-    assert model.positive == "the positive class"
+    assert model.outcome == "the positive class"
     assert model.columns is None
     assert model.points == {}
 
@@ -85,7 +86,7 @@ def test_bare_trees_are_models_without_names(tmp_path: Path) -> None:
         ("[1]", "expected an object"),
         ("[" * 100_000, "nested more than"),
         ('{"format": "other", "version": 1}', "its format is 'other'"),
-        ('{"format": "relforest-model", "version": 2}', "was written by a newer relforest"),
+        ('{"format": "relforest-model", "version": 3}', "was written by a newer relforest"),
         ('{"format": "relforest-model", "version": NaN}', "an invalid version|not finite"),
         ('{"format": "relforest-model", "version": 1}', "does not contain a valid tree"),
         ('{"format": "relforest-tree", "version": 1, "nodes": []}', "does not contain a valid tree"),
