@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from relforest.mappings.kernels import map_point, wrap_angle
-from relforest.support.jit import inlined, kernel
+from relforest.support.jit import hold, inlined, kernel
 from relforest.trees.boxes import Boxes, first_part, forget, next_place
 from relforest.trees.packing import (
     ATTRIBUTE_DIM,
@@ -121,6 +121,8 @@ def ask(
                 squared += product * (points[place, i] - numbers[mean + i])
             density = -0.5 * numbers[at + 1] * squared
         answer = YES if squared <= numbers[at] else NO
+    hold(nodes, numbers)
+    hold(matrix, points)
     return answer, density
 
 

@@ -47,6 +47,11 @@ class Sequences:
         """Number of variables bound."""
         return int(self.objects.shape[1])
 
+    @property
+    def scenes(self) -> NDArray[np.int64]:
+        """The scenes that have sequences, ascending."""
+        return self.scene[np.flatnonzero(np.diff(self.scene, prepend=-1))]
+
     def __len__(self) -> int:
         """Number of sequences."""
         return len(self.scene)
@@ -89,7 +94,7 @@ class Sequences:
         n = n_extensions(self.scene, self.objects, counts, arguments, 1)
         if n <= most:
             return self.extended(counts, arguments)
-        n_scenes = len(np.unique(self.scene))
+        n_scenes = len(self.scenes)
         uniform = rng.random((n_scenes, max(most // n_scenes, 1)))
         scene = np.empty(uniform.size, dtype=np.int64)
         objects = np.empty((uniform.size, self.depth + 1), dtype=np.int64)
