@@ -35,7 +35,6 @@ def test_points_and_bags_by_hand() -> None:
     assert question.bags.starts.tolist() == [0, 2, 3, 4]
     # The empty scene has no point.
     assert question.bags.scenes.tolist() == [0, 1, 2]
-    assert question.bags.rows.tolist() == [[0], [1], [2], [3], [4], [-1]]
 
 
 def test_pairs_by_hand() -> None:

@@ -16,7 +16,7 @@ from relforest.mappings.operations import (
     SAME,
     SCALED_DISTANCE,
 )
-from relforest.support.jit import inlined, kernel
+from relforest.support.jit import hold, inlined, kernel
 
 
 @inlined
@@ -42,11 +42,11 @@ def map_point(
     """
     first, dim = span
     a, b, c = objects
-    if a < 0 or (code != IDENTITY and b < 0) or (REFRAME <= code <= BEARING and c < 0):
-        return False
     # Components are summed, so that one test at the end finds NaN.
     total = 0.0
-    if code == IDENTITY:
+    if a < 0 or (code != IDENTITY and b < 0) or (REFRAME <= code <= BEARING and c < 0):
+        total = np.nan
+    elif code == IDENTITY:
         for i in range(dim):
             out[place, i] = matrix[a, first + i]
             total += out[place, i]
@@ -66,6 +66,7 @@ def map_point(
         out[place, 0] = 1.0 if total == 0.0 else 0.0
     else:
         total = _seen_from_frame(code, span, matrix, objects, out, place)
+    hold(matrix, out)
     return not math.isnan(total)
 
 
@@ -85,23 +86,26 @@ def _seen_from_frame(
     for i in range(dim):
         squared += (matrix[b, first + i] - matrix[a, first + i]) ** 2
         reach += (matrix[c, first + i] - matrix[a, first + i]) ** 2
-    # Coincident A and B define no direction; the negated test also catches NaN.
-    if not squared > 0.0:
-        return np.nan
-    if code == SCALED_DISTANCE:
-        out[place, 0] = math.sqrt(reach / squared)
-        return float(out[place, 0])
-    ux = matrix[b, first] - matrix[a, first]
-    uy = matrix[b, first + 1] - matrix[a, first + 1]
-    wx = matrix[c, first] - matrix[a, first]
-    wy = matrix[c, first + 1] - matrix[a, first + 1]
-    scale = math.sqrt(squared) if code == REFRAME else squared
-    along, aside = (ux * wx + uy * wy) / scale, (ux * wy - uy * wx) / scale
-    if code == BEARING:
-        out[place, 0] = math.atan2(abs(aside), along)
-        return float(along + aside) if reach > 0.0 else np.nan
-    out[place, 0], out[place, 1] = along, aside
-    return float(along + aside)
+    # Coincident A and B define no direction; the test also fails for NaN.
+    total = np.nan
+    if squared > 0.0 and code == SCALED_DISTANCE:
+        total = math.sqrt(reach / squared)
+        out[place, 0] = total
+    elif squared > 0.0:
+        ux = matrix[b, first] - matrix[a, first]
+        uy = matrix[b, first + 1] - matrix[a, first + 1]
+        wx = matrix[c, first] - matrix[a, first]
+        wy = matrix[c, first + 1] - matrix[a, first + 1]
+        scale = math.sqrt(squared) if code == REFRAME else squared
+        along, aside = (ux * wx + uy * wy) / scale, (ux * wy - uy * wx) / scale
+        if code == BEARING:
+            out[place, 0] = math.atan2(abs(aside), along)
+            total = along + aside if reach > 0.0 else np.nan
+        else:
+            out[place, 0], out[place, 1] = along, aside
+            total = along + aside
+    hold(matrix, out)
+    return total
 
 
 @kernel

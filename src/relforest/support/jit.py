@@ -181,3 +181,12 @@ def _is_watched() -> bool:
     if sys.stderr is None or multiprocessing.parent_process() is not None:
         return False
     return sys.stderr.isatty() or hasattr(sys, "ps1")
+
+
+@inlined
+def hold(first: object, second: object) -> None:
+    """Do nothing with two arrays, at the end of an inlined function that uses them in branches with loops.
+
+    Numba drops an array after its last use. If every branch has its own last use, or returns by itself, the
+    references are counted in every call, which may take longer than the rest of the function.
+    """

@@ -8,6 +8,7 @@ import numpy as np
 
 from relforest.mappings.kernels import map_point
 from relforest.support.jit import kernel
+from relforest.trees.kernels import row_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 class Bags(NamedTuple):
     """The points that a mapping gives for tuples of objects: a bag per scene."""
 
-    rows: NDArray[np.int64]  # (n, arity) object rows of all tuples, -1 = no object
     points: NDArray[np.float64]  # (n_points, d) those that are defined, grouped by scene
     starts: NDArray[np.int64]  # (n_bags + 1,) where each scene's points begin
     scenes: NDArray[np.int64]  # (n_bags,) the scenes with at least one point
@@ -49,16 +49,17 @@ def _map(
     scene, objects = asked
     operation, circular, dim = rule
     n, arity = objects.shape
-    rows = np.empty((n, arity), dtype=np.int64)
-    points = np.empty((n + 1, max(dim, span[1])))
+    points = np.empty((n, dim))
     starts = np.empty(n + 1, dtype=np.int64)
     bag_scenes = np.empty(n, dtype=np.int64)
     n_points, n_bags = 0, 0
     for i in range(n):
-        for j in range(arity):
-            place = objects[i, j]
-            rows[i, j] = object_rows[scene_starts[scene[i]] + place] if place >= 0 else -1
-        found = (rows[i, 0], rows[i, 1] if arity > 1 else -1, rows[i, 2] if arity > 2 else -1)
+        begin = scene_starts[scene[i]]
+        found = (
+            row_at(object_rows, begin, objects[i, 0]),
+            row_at(object_rows, begin, objects[i, 1]) if arity > 1 else -1,
+            row_at(object_rows, begin, objects[i, 2]) if arity > 2 else -1,
+        )
         if not map_point(operation, circular, span, matrix, found, points, n_points):
             continue
         total = 0.0
@@ -71,7 +72,7 @@ def _map(
             n_bags += 1
         n_points += 1
     starts[n_bags] = n_points
-    return Bags(rows, points[:n_points, :dim].copy(), starts[: n_bags + 1].copy(), bag_scenes[:n_bags].copy())
+    return Bags(points[:n_points].copy(), starts[: n_bags + 1].copy(), bag_scenes[:n_bags].copy())
 
 
 @kernel

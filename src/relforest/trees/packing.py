@@ -95,6 +95,14 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
     )
 
 
+def pack_question(schema: Schema, question: Question) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return nodes and numbers as `pack` does, of a single question without what follows from its answers."""
+    table = np.full((1, N_COLUMNS), -1, dtype=np.int64)
+    _pack_question(question, schema.offset(question.mapping.attribute.name), table[0])
+    table[0, VOLUME] = 0
+    return table, _volume_numbers(question.volume)
+
+
 def _pack_question(node: Question, first: int, row: NDArray[np.int64]) -> None:
     attribute = node.mapping.attribute
     row[KIND] = QUESTION

@@ -232,7 +232,7 @@ class ScreenedLeaf:
 
     def screened(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> tuple[list[Expansion], int]:
         """Return the most promising expansions, and how many have points."""
-        arriving = np.unique(self.arrivals.sequences.scene)
+        arriving = self.arrivals.sequences.scenes
         scenes = arriving[at.assignment.winner[arriving] == at.leaf]
         promising, n_questions = self.expansions, None
         *first, last = self.plan.rounds

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
     from relforest.scenes import Scenes
 
-_TABLE: Final = 8
+# A table of so many times as many numbers as there are sequences is still faster than sorting them.
+_TABLE: Final = 64
 
 
 @final
@@ -45,6 +46,11 @@ class Sequences:
     def depth(self) -> int:
         """Number of variables bound."""
         return int(self.objects.shape[1])
+
+    @property
+    def scenes(self) -> NDArray[np.int64]:
+        """The scenes that have sequences, ascending."""
+        return self.scene[np.flatnonzero(np.diff(self.scene, prepend=-1))]
 
     def __len__(self) -> int:
         """Number of sequences."""
@@ -88,7 +94,7 @@ class Sequences:
         n = n_extensions(self.scene, self.objects, counts, arguments, 1)
         if n <= most:
             return self.extended(counts, arguments)
-        n_scenes = len(np.unique(self.scene))
+        n_scenes = len(self.scenes)
         uniform = rng.random((n_scenes, max(most // n_scenes, 1)))
         scene = np.empty(uniform.size, dtype=np.int64)
         objects = np.empty((uniform.size, self.depth + 1), dtype=np.int64)
@@ -133,14 +139,16 @@ def n_extensions(
     depth = objects.shape[1]
     if depth < arguments.shape[1]:
         return float(len(scene))
-    total = 0.0
+    total, product = 0.0, 0.0
     for i in range(len(scene)):
-        free = counts[scene[i]]
-        for j in range(depth):
-            free -= _is_new(objects, i, j)
-        product = 1.0
-        for step in range(n_new):
-            product *= max(free - step, 1)
+        # All sequences of a scene bind equally many objects.
+        if i == 0 or scene[i] != scene[i - 1]:
+            free = counts[scene[i]]
+            for j in range(depth):
+                free -= _is_new(objects, i, j)
+            product = 1.0
+            for step in range(n_new):
+                product *= max(free - step, 1)
         total += product
     return total
 
@@ -251,50 +259,70 @@ def _distinct(
     objects: NDArray[np.int64],
 ) -> int:
     """Write the distinct tuples of some variables into `scene` and `objects`; how many there are."""
-    arity, n, begin = len(variables), 0, 0
-    while begin < len(sequences[0]):
+    scenes, bound = sequences
+    base, n_scenes, n_numbers = 1, 0, 1.0
+    for i in range(len(scenes)):
+        n_scenes += i == 0 or scenes[i] != scenes[i - 1]
+        for variable in variables:
+            base = max(base, bound[i, variable] + 2)
+    for _ in variables:
+        n_numbers *= base
+    size = n_numbers if n_numbers * n_scenes <= _TABLE * len(scenes) else 0.0
+    seen = np.zeros(8 * int(np.ceil(size / 8.0)), dtype=np.uint8)
+    table = (seen, seen.view(np.uint64), np.empty(len(seen), dtype=np.int64))
+    n, begin = 0, 0
+    while begin < len(scenes):
         end = begin
-        while end < len(sequences[0]) and sequences[0][end] == sequences[0][begin]:
+        while end < len(scenes) and scenes[end] == scenes[begin]:
             end += 1
-        base, keys = _distinct_keys(sequences[1][begin:end], variables)
-        for key in keys:
-            rest = key
-            scene[n] = sequences[0][begin]
-            for j in range(arity - 1, -1, -1):
-                objects[n, j] = rest % base - 1
-                rest //= base
+        chosen = _first_of_each(bound[begin:end], variables, base, table)
+        for i in chosen:
+            scene[n] = scenes[begin]
+            for j in range(len(variables)):
+                objects[n, j] = bound[begin + i, variables[j]]
             n += 1
         begin = end
     return n
 
 
 @kernel
-def _distinct_keys(objects: NDArray[np.int64], variables: NDArray[np.int64]) -> tuple[int, NDArray[np.int64]]:
-    """Return the distinct tuples of one scene's sequences as ascending numbers, and their base."""
-    n, base = len(objects), 1
-    for i in range(n):
-        for variable in variables:
-            base = max(base, objects[i, variable] + 2)
+def _first_of_each(
+    objects: NDArray[np.int64],
+    variables: NDArray[np.int64],
+    base: int,
+    table: tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.int64]],
+) -> NDArray[np.int64]:
+    """Return a sequence of one scene for each distinct tuple, in order of the tuples.
+
+    `table` says for every number below `base` ** arity whether it was seen, the same for eight numbers at
+    once, and in which sequence; it is left as it was found, and empty if sorting is faster.
+    """
+    seen, eight, where = table
+    n = len(objects)
     keys = np.zeros(n, dtype=np.int64)
     for i in range(n):
         for variable in variables:
             keys[i] = keys[i] * base + objects[i, variable] + 1
-    # A table of all numbers is faster than sorting, if it is not much longer than the list.
-    n_numbers = 1
-    for _ in variables:
-        n_numbers *= base
-    if n_numbers <= _TABLE * n:
-        seen = np.zeros(n_numbers, dtype=np.bool_)
-        for key in keys:
-            seen[key] = True
-        return base, np.flatnonzero(seen)
-    keys.sort()
-    kept = 0
+    chosen, kept = np.empty(n, dtype=np.int64), 0
+    if len(seen) == 0:
+        order = np.argsort(keys)
+        for i in range(n):
+            if i == 0 or keys[order[i]] != keys[order[i - 1]]:
+                chosen[kept] = order[i]
+                kept += 1
+        return chosen[:kept]
     for i in range(n):
-        if kept == 0 or keys[i] != keys[kept - 1]:
-            keys[kept] = keys[i]
-            kept += 1
-    return base, keys[:kept]
+        seen[keys[i]] = 1
+        where[keys[i]] = i
+    for group in range(len(eight)):
+        if eight[group] == 0:
+            continue
+        for key in range(8 * group, 8 * group + 8):
+            if seen[key]:
+                chosen[kept] = where[key]
+                kept += 1
+        eight[group] = 0
+    return chosen[:kept]
 
 
 @kernel

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.support.jit import kernel
+from relforest.support.jit import inlined, kernel
 from relforest.volumes.bag_layout import SlotMajor
 from relforest.volumes.cuts import Buckets, best_cut, best_weighted_cut, new_buckets, radius_at
 from relforest.volumes.low_rank import low_rank_distances, low_rank_nearest
@@ -164,7 +164,7 @@ def _step(
     return added, n_tried
 
 
-@kernel
+@inlined
 def _try(
     bags: SlotMajor,
     problem: Problem,
@@ -196,7 +196,7 @@ def _try(
     models.numbers[TRIAL, EDGE] = edge
 
 
-@kernel
+@inlined
 def measure(bags: SlotMajor, space: int, models: Models) -> None:
     """Fill in the witness distances of `TRIAL`."""
     squared = models.squared[TRIAL]

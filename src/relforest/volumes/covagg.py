@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, final
 import numpy as np
 
 from relforest.support.errors import InputError
+from relforest.support.jit import kernel
 from relforest.support.options import one_of
 from relforest.volumes.aggregation import Found, Problem, aggregate_keys
 from relforest.volumes.arc import Arc
@@ -118,7 +119,7 @@ def aggregate(
     if searched is None or searched.score == -np.inf:
         return None
     if circular:
-        volume: Volume = _arc(searched.found, points[np.repeat(labels, np.diff(starts))], settings)
+        volume: Volume = _arc(searched.found, _of_positives(points, starts, labels), settings)
     else:
         ellipsoid = _ellipsoid(searched, settings)
         dim = points.shape[1]
@@ -197,15 +198,15 @@ def _search(
         best = max(found, key=lambda one: one.score)
         return best._replace(n_models=sum(one.n_models for one in found))
     is_diagonal = settings.shape == "diagonal" and dim > 1
-    in_positive = np.repeat(labels, starts[1:] - starts[:-1])
+    positive_points = _of_positives(points, starts, labels)
     # A rotation would make other matrices diagonal.
-    turned = principal_axes(points, in_positive) if dim > FEW_DIMENSIONS and not is_diagonal else None
+    turned = principal_axes(points, positive_points) if dim > FEW_DIMENSIONS and not is_diagonal else None
     if turned is not None:
         points, prior = turned.coordinates, np.diag(settings.prior_weight * turned.variances)
     elif is_diagonal:
-        prior = np.diag(settings.prior_weight * points[in_positive].var(axis=0))
+        prior = np.diag(settings.prior_weight * positive_points.var(axis=0))
     else:
-        prior = settings.prior_weight * _spread(points[in_positive], circular=circular)
+        prior = settings.prior_weight * _spread(positive_points, circular=circular)
     code = CIRCLE if circular else DIAGONAL if is_diagonal else EUCLIDEAN
     plan = (settings.window, settings.restarts, settings.sampled)
     table = entropy_table(len(labels))
@@ -221,7 +222,7 @@ def _search(
     else:
         sharpness = settings.prior_weight
         if circular:
-            sharpness = 0.5 / max(_circular_variance(points[in_positive]), 1e-12)
+            sharpness = 0.5 / max(_circular_variance(positive_points), 1e-12)
         found_keys = diverse_density_keys(layout, positives, problem, sharpness, draws)
     return _Searched(found_keys, prior, turned, found_keys.n_models)
 
@@ -263,9 +264,38 @@ def _spread(points: NDArray[np.float64], *, circular: bool) -> NDArray[np.float6
     """``ncov(P) / p`` of eq. 3.5; the circle has no covariance."""
     if circular:
         return np.zeros((1, 1))
-    centred = points - points.mean(axis=0)
+    # NumPy is slow only at means of short rows; both add in the same order.
+    centred = points - (points.mean(axis=0) if points.shape[1] == 1 else _mean(points))
     spread: NDArray[np.float64] = centred.T @ centred / len(points)
     return spread
+
+
+@kernel
+def _of_positives(
+    points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Return the points of positive bags."""
+    n = 0
+    for bag in range(len(labels)):
+        n += starts[bag + 1] - starts[bag] if labels[bag] else 0
+    chosen = np.empty((n, points.shape[1]))
+    n = 0
+    for bag in range(len(labels)):
+        if labels[bag]:
+            for place in range(starts[bag], starts[bag + 1]):
+                for i in range(points.shape[1]):
+                    chosen[n, i] = points[place, i]
+                n += 1
+    return chosen
+
+
+@kernel
+def _mean(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    total = np.zeros(points.shape[1])
+    for row in range(len(points)):
+        for i in range(points.shape[1]):
+            total[i] += points[row, i]
+    return total / len(points)
 
 
 def _concentration(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from relforest.support.jit import kernel
+from relforest.support.jit import inlined, kernel
 from relforest.volumes.conditioning import condition, extreme_eigenvalues, ridge, whiten
 from relforest.volumes.low_rank import low_rank_metric
 from relforest.volumes.witnesses import CIRCLE, DIAGONAL
@@ -62,7 +62,7 @@ def new_models(space: int, dim: int, n_bags: int) -> Models:
     )
 
 
-@kernel
+@inlined
 def low_rank(models: Models, row: int) -> int:
     """Rank beside the diagonal where the metric is one of `low_rank`, otherwise -1."""
     dim, n_keys = models.centres.shape[1], int(models.numbers[row, COUNT])
@@ -91,7 +91,7 @@ def copy_model(models: Models, source: int, target: int) -> None:
         models.squared[target, i] = models.squared[source, i]
 
 
-@kernel
+@inlined
 def add_key(
     space: int,
     models: Models,

@@ -47,9 +47,8 @@ class PrincipalAxes(NamedTuple):
         return self.origin + self.axes @ mean[:rank], turned
 
 
-def principal_axes(points: NDArray[np.float64], in_positive: NDArray[np.bool_]) -> PrincipalAxes:
-    """Turn points (n_points, d), of which `in_positive` (n_points,) belong to positive bags."""
-    positive = points[in_positive]
+def principal_axes(points: NDArray[np.float64], positive: NDArray[np.float64]) -> PrincipalAxes:
+    """Turn points (n_points, d), of which those in `positive` (n, d) belong to positive bags."""
     origin = positive.mean(axis=0)
     # From the points, since their covariance holds only half of the digits of small variances.
     _, lengths, directions = np.linalg.svd(np.linalg.qr(positive - origin, mode="r"), full_matrices=False)

@@ -32,72 +32,72 @@ def witness_distances(
     if dim > 3:
         _distances_general(bags, centre, whitening, squared)
         return
-    for i in range(len(squared)):
-        squared[i] = np.inf
+    squared[:] = np.inf
+    if space == CIRCLE:
+        _nearest_angles(bags, centre[0], squared)
+    elif dim == 1:
+        _nearest_1(bags, centre[0], whitening[0, 0], squared)
+    elif dim == 2:
+        _nearest_2(bags, centre, whitening, squared)
+    else:
+        _nearest_3(bags, centre, whitening, squared)
+
+
+# In these loops slices of single rows stay contiguous, which the compiler needs to vectorise. Adding zero
+# changes nothing, but keeps it from storing under a mask what is smaller, which takes some processors longer
+# than all else.
+
+
+@kernel
+def _nearest_angles(bags: SlotMajor, centre: float, squared: NDArray[np.float64]) -> None:
     for slot in range(len(bags.offsets) - 1):
-        first, last = bags.offsets[slot], bags.offsets[slot + 1]
-        # Slices of single rows stay contiguous, which the compiler needs to vectorise.
-        x = bags.points[0, first:last]
-        if space == CIRCLE:
-            _nearer_angle(x, centre[0], squared)
-        elif dim == 1:
-            _nearer_1(x, centre[0], whitening[0, 0], squared)
-        elif dim == 2:
-            _nearer_2(x, bags.points[1, first:last], centre, whitening, squared)
-        else:
-            y, z = bags.points[1, first:last], bags.points[2, first:last]
-            _nearer_3(x, y, z, centre, whitening, squared)
+        angles = bags.points[0, bags.offsets[slot] : bags.offsets[slot + 1]]
+        for i in range(len(angles)):
+            offset = angles[i] - centre
+            offset -= _TURN * np.rint(offset / _TURN)
+            squared[i] = min(squared[i], offset * offset) + 0.0
 
 
 @kernel
-def _nearer_angle(angles: NDArray[np.float64], centre: float, squared: NDArray[np.float64]) -> None:
-    for i in range(len(angles)):
-        offset = angles[i] - centre
-        offset -= _TURN * np.rint(offset / _TURN)
-        squared[i] = min(squared[i], offset * offset)
+def _nearest_1(bags: SlotMajor, centre: float, scale: float, squared: NDArray[np.float64]) -> None:
+    for slot in range(len(bags.offsets) - 1):
+        x = bags.points[0, bags.offsets[slot] : bags.offsets[slot + 1]]
+        for i in range(len(x)):
+            offset = x[i] - centre
+            squared[i] = min(squared[i], scale * offset * offset) + 0.0
 
 
 @kernel
-def _nearer_1(x: NDArray[np.float64], centre: float, scale: float, squared: NDArray[np.float64]) -> None:
-    for i in range(len(x)):
-        offset = x[i] - centre
-        squared[i] = min(squared[i], scale * offset * offset)
-
-
-@kernel
-def _nearer_2(
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    centre: NDArray[np.float64],
-    inverse: NDArray[np.float64],
-    squared: NDArray[np.float64],
+def _nearest_2(
+    bags: SlotMajor, centre: NDArray[np.float64], inverse: NDArray[np.float64], squared: NDArray[np.float64]
 ) -> None:
     cx, cy = centre[0], centre[1]
     a, b, c = inverse[0, 0], 2.0 * inverse[0, 1], inverse[1, 1]
-    for i in range(len(x)):
-        dx = x[i] - cx
-        dy = y[i] - cy
-        squared[i] = min(squared[i], dx * (a * dx + b * dy) + c * dy * dy)
+    for slot in range(len(bags.offsets) - 1):
+        first, last = bags.offsets[slot], bags.offsets[slot + 1]
+        x, y = bags.points[0, first:last], bags.points[1, first:last]
+        for i in range(len(x)):
+            dx = x[i] - cx
+            dy = y[i] - cy
+            squared[i] = min(squared[i], dx * (a * dx + b * dy) + c * dy * dy) + 0.0
 
 
 @kernel
-def _nearer_3(
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    z: NDArray[np.float64],
-    centre: NDArray[np.float64],
-    inverse: NDArray[np.float64],
-    squared: NDArray[np.float64],
+def _nearest_3(
+    bags: SlotMajor, centre: NDArray[np.float64], inverse: NDArray[np.float64], squared: NDArray[np.float64]
 ) -> None:
     cx, cy, cz = centre[0], centre[1], centre[2]
     a, b, c = inverse[0, 0], inverse[1, 1], inverse[2, 2]
     d, e, f = 2.0 * inverse[0, 1], 2.0 * inverse[0, 2], 2.0 * inverse[1, 2]
-    for i in range(len(x)):
-        dx = x[i] - cx
-        dy = y[i] - cy
-        dz = z[i] - cz
-        value = dx * (a * dx + d * dy + e * dz) + dy * (b * dy + f * dz) + c * dz * dz
-        squared[i] = min(squared[i], value)
+    for slot in range(len(bags.offsets) - 1):
+        first, last = bags.offsets[slot], bags.offsets[slot + 1]
+        x, y, z = bags.points[0, first:last], bags.points[1, first:last], bags.points[2, first:last]
+        for i in range(len(x)):
+            dx = x[i] - cx
+            dy = y[i] - cy
+            dz = z[i] - cz
+            value = dx * (a * dx + d * dy + e * dz) + dy * (b * dy + f * dz) + c * dz * dz
+            squared[i] = min(squared[i], value) + 0.0
 
 
 @kernel
