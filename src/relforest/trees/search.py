@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 # Beyond so many sequences for each of `max_points`, answering a question once would take minutes.
 _LARGEST_RATIO: Final = 100
 # With more points a try takes so long that the screened search tries a question once.
-_MANY_POINTS: Final = 20_000
+_MANY_POINTS: Final = 8_000
 
 
 class SearchSettings(Protocol):
