@@ -467,8 +467,8 @@ def test_bindings_above_a_leaf_are_not_worth_a_line() -> None:
             FLAT,
             [(0, 0.5, math.inf), (1, -math.inf, 2.0)],
             (
-                "C is in front of A, looking from A to B: x at least 0.5 and y at most 2, with A at (0, 0) and "
-                "B straight along (1, 0)"
+                "C is in front of A, looking from A to B: x at least 0.5 and y at most 2, with A at (0, 0) "
+                "and B straight along (1, 0)"
             ),
         ),
         # On the right of A, but what counts is another side of the ellipse.
