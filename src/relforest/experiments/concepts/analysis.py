@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.concepts.settings import STRICT_ALPHA, STRICT_TREE, THRESHOLDS, TITLES
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.table import Cell, Table, aligned
 from relforest.reports.style import BLUE, INK, ORANGE, styled
 
 
@@ -119,9 +119,8 @@ def figures(table: Table) -> Mapping[str, Figure]:
 
 
 def _told(table: Table) -> str:
-    texts = []
-    for concept in table.distinct("concept"):
-        for method in (STRICT_TREE, "rules"):
-            found = table.where(concept=concept, method=method).rows
-            texts += [f"Learned for {TITLES[str(concept)]}:\n{row['words']}" for row in found[:1]]
-    return "\n\n".join(texts)
+    first: dict[tuple[Cell, Cell], Cell] = {}
+    for row in table.rows:
+        if row["method"] in {STRICT_TREE, "rules"}:
+            first.setdefault((row["concept"], row["method"]), row["words"])
+    return "\n\n".join(f"Learned for {TITLES[str(concept)]}:\n{said}" for (concept, _), said in first.items())
