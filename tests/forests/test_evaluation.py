@@ -118,6 +118,7 @@ def test_a_scene_without_end_is_interrupted(n_jobs: int) -> None:
     few, many = (scenes_in(schema, [[(float(i), 0.0) for i in range(n)]]) for n in (3, 100_000))
     ensemble = ensemble_of(few, tree_of(Condition(2, (far,))))
     assert not ensemble.scores(few).any()
+    assert not features(ensemble, few, "counts").any()
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
