@@ -68,34 +68,21 @@ def _all_true(
     return True
 
 
-@kernel
-def _following(objects: NDArray[np.int64], arguments: NDArray[np.int64], place: int, other: int) -> int:
-    """Return the first place after `place` but not `other` whose object is not one of the arguments."""
-    for following in range(place + 1, len(objects)):
-        is_free = following != other
-        for argument in arguments:
-            is_free &= argument != objects[following]
-        if is_free:
-            return following
-    return len(objects)
-
-
 @inlined
-def next_choice(
-    objects: NDArray[np.int64], arguments: NDArray[np.int64], n_free: int, choice: tuple[int, int]
-) -> tuple[int, int]:
-    """Return the places of the one or two free objects that come after a choice, -1 if there are none.
+def following(objects: NDArray[np.int64], arguments: NDArray[np.int64], place: int, other: int) -> int:
+    """Return the first place after `place` but not `other` whose object is not one of the arguments.
 
-    The first choice follows (-1, -1). From a choice whose second place is the number of objects, the search
-    goes on with the next first object.
+    With -1 for `place` it is the first one of all; the number of objects means that there is none.
     """
-    first, second = choice
-    n = len(objects)
-    second = _following(objects, arguments, second, first) if n_free == 2 and first >= 0 else n
-    if second >= n:
-        first = _following(objects, arguments, first, -1)
-        second = _following(objects, arguments, -1, first) if n_free == 2 else 0
-    return (first, second) if first < n and second < n else (-1, -1)
+    found = place + 1
+    while found < len(objects):
+        is_free = found != other
+        for argument in arguments:
+            is_free &= argument != objects[found]
+        if is_free:
+            break
+        found += 1
+    return found
 
 
 @kernel
@@ -122,23 +109,25 @@ def condition_holds(
     if n_free == 0:
         return _all_true(packed, condition, matrix, bound, point)
     found, needs_every = 0, needed == 0
-    before, choice = -1, next_choice(objects, arguments, n_free, (-1, -1))
-    while choice[0] >= 0 and not stop[0]:
-        if needs_every and choice[0] != before:
+    first = following(objects, arguments, -1, -1)
+    while first < len(objects) and not stop[0]:
+        if needs_every:
             if found < needed:
                 return False
             needed += 1
-        before = choice[0]
-        bound[n_arguments] = objects[choice[0]]
-        if n_free == 2:
-            bound[n_arguments + 1] = objects[choice[1]]
-        if _all_true(packed, condition, matrix, bound, point):
-            found += 1
-            if needs_every:
-                choice = (choice[0], len(objects))
-            elif found >= needed:
-                return True
-        choice = next_choice(objects, arguments, n_free, choice)
+        bound[n_arguments] = objects[first]
+        second = following(objects, arguments, -1, first) if n_free == 2 else 0
+        while second < len(objects):
+            if n_free == 2:
+                bound[n_arguments + 1] = objects[second]
+            if _all_true(packed, condition, matrix, bound, point):
+                found += 1
+                if found >= needed:
+                    if needs_every:
+                        break
+                    return True
+            second = following(objects, arguments, second, first) if n_free == 2 else len(objects)
+        first = following(objects, arguments, first, -1)
     return bool(needs_every and 0 < needed <= found)
 
 

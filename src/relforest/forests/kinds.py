@@ -36,22 +36,22 @@ _TURN: Final = 2.0 * math.pi
 @inlined
 def value(statement: NDArray[np.float64], x: float, y: float) -> float:
     """The value of a statement about the number x, and y if it is about two (else 0); NaN where undefined."""
-    kind = int(statement[KIND])
+    kind = statement[KIND]
     result = x
-    if kind == AT_LEAST:
-        result = -x
-    elif kind == SMALL:
-        result = abs(x)
-    elif kind == LARGE:
-        result = -abs(x)
-    elif kind in (NEAR, NEAR_ANGLE):
+    if kind >= IS:
+        same = x == statement[CENTRE]
+        result = np.nan if math.isnan(x) else (0.0 if same == (kind == IS) else 1.0)
+    elif kind >= NEAR:
         away = x - statement[CENTRE]
         if kind == NEAR_ANGLE:
             away -= _TURN * np.rint(away / _TURN)
         result = statement[WEIGHT] * away * away
         away = y - statement[CENTRE + 1]
         result += statement[WEIGHT + 1] * away * away
-    elif kind >= IS:
-        same = x == statement[CENTRE]
-        result = np.nan if math.isnan(x) else (0.0 if same == (kind == IS) else 1.0)
+    elif kind == AT_LEAST:
+        result = -x
+    elif kind == SMALL:
+        result = abs(x)
+    elif kind == LARGE:
+        result = -abs(x)
     return float(result)

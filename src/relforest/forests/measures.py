@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from relforest.forests.evaluation import excess, next_choice
+from relforest.forests.evaluation import excess, following
 from relforest.forests.kinds import IS, KIND, NEAR, SECOND, WEIGHT
 from relforest.forests.packing import BEGIN, COUNT, END, N_FREE, Packed
 from relforest.support.jit import kernel
@@ -76,21 +76,24 @@ def _measure(
     smallest = np.full(max(packed.conditions[condition, COUNT], 1), np.inf)
     bound[:n_arguments] = arguments
     bound[n_arguments:] = -1
-    count, most, farthest = 0, len(objects) ** 2, -np.inf
+    count, farthest = 0, -np.inf
     if n_free == 0:
         count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
-    before, choice = -1, next_choice(objects, arguments, n_free, (-1, -1)) if n_free > 0 else (-1, -1)
-    while choice[0] >= 0 and not stop[0]:
-        if every and choice[0] != before:
-            farthest, most = max(farthest, smallest[0] if before >= 0 else -np.inf), count + 1
-            smallest[0] = np.inf
-        before = choice[0]
-        bound[n_arguments] = objects[choice[0]]
-        if n_free == 2:
-            bound[n_arguments + 1] = objects[choice[1]]
-        count = min(count + _keep(smallest, _margin(packed, condition, matrix, bound, point)), most)
-        choice = next_choice(objects, arguments, n_free, choice)
-    margin = max(farthest, smallest[len(smallest) - 1])
+    first = following(objects, arguments, -1, -1) if n_free > 0 else len(objects)
+    while first < len(objects) and not stop[0]:
+        bound[n_arguments] = objects[first]
+        second = following(objects, arguments, -1, first) if n_free == 2 else 0
+        n_before = count
+        while second < len(objects):
+            if n_free == 2:
+                bound[n_arguments + 1] = objects[second]
+            count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
+            second = following(objects, arguments, second, first) if n_free == 2 else len(objects)
+        if every:
+            farthest, smallest[0] = max(farthest, smallest[0]), np.inf
+            count = min(count, n_before + 1)
+        first = following(objects, arguments, first, -1)
+    margin = farthest if every and farthest > -np.inf else smallest[len(smallest) - 1]
     return (margin if margin < np.inf else np.nan), count
 
 

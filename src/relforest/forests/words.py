@@ -54,7 +54,7 @@ def sentence(condition: Condition, schema: Schema) -> str:
     """
     n_arguments = schema.n_parameters
     alone = condition.n_free == 1 and condition.at_least == 1
-    names = [f"the {name}" for name in schema.parameters]
+    names = [name if len(name) == 1 else f"the {name}" for name in schema.parameters]
     names += [""] if alone else list(_LETTERS[: condition.n_free])
     phrases = [_phrase(statement, names) for statement in condition.statements]
     if condition.n_free == 0:
