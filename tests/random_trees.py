@@ -58,8 +58,8 @@ def random_tree(rng: np.random.Generator, n_parameters: int, most_questions: int
         mapping, variables = random_question(rng, n_bound)
         here = add(Leaf(0.0, 0, 0))
         volume = random_volume(rng, mapping)
-        children = [grow(n_bound, questions_left - 1) for _ in range(3)]
-        nodes[here] = Question(mapping, variables, volume, *children)
+        yes, no, error = (grow(n_bound, questions_left - 1) for _ in range(3))
+        nodes[here] = Question(mapping, variables, volume, yes, no, error)
         return first
 
     grow(0, most_questions, stop=0.0)

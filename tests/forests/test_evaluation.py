@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import signal
+from functools import partial
+
 import numpy as np
 import pytest
 
 from forest_scenes import holds, random_condition, random_scenes
+from interpreted import compiled_only
 from relforest.forests import Condition, Ensemble, GrowthSettings, SceneTree, Split, Value
+from relforest.forests.features import features
+from relforest.forests.statements import Bound, Statement
+from relforest.mappings import Mapping
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
+from small_trees import plane, scenes_in
 
 
 def tree_of(condition: Condition) -> SceneTree:
@@ -100,3 +108,27 @@ def test_a_condition_on_every_object_survives_files() -> None:
 def test_settings_of_every_object_are_checked() -> None:
     with pytest.raises(InputError, match="every must be True or False"):
         GrowthSettings(every=1)  # type: ignore[arg-type]
+
+
+@compiled_only
+@pytest.mark.parametrize("n_jobs", [1, 2])
+def test_a_scene_without_end_is_interrupted(n_jobs: int) -> None:
+    schema = plane()
+    far = Statement(Mapping("distance", schema["location"]), (0, 1), Bound(0, "at least", 1e9))
+    few, many = (scenes_in(schema, [[(float(i), 0.0) for i in range(n)]]) for n in (3, 100_000))
+    ensemble = ensemble_of(few, tree_of(Condition(2, (far,))))
+    assert not ensemble.scores(few).any()
+    assert not features(ensemble, few, "counts").any()
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        for measured in (ensemble.leaves, partial(features, ensemble, mode="counts")):
+            signal.setitimer(signal.ITIMER_REAL, 0.3)
+            with pytest.raises(KeyboardInterrupt):
+                measured(many, n_jobs=n_jobs)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

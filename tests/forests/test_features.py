@@ -15,17 +15,19 @@ from sklearn.pipeline import make_pipeline
 
 from forest_scenes import holds, is_true, random_condition, random_scenes
 from forests.team_scenes import guest_on_the_left, scenes_of
+from random_trees import random_question, random_tree, random_volume
 from random_trees import random_scenes as scenes_for_trees
-from random_trees import random_tree
 from relforest import SMRFForestClassifier, SMRFTreeClassifier
 from relforest.forests import Condition, Ensemble, SceneFeatures, SceneTree, Split, Value
 from relforest.forests.features import MODES, Mode, feature_names, features
+from relforest.forests.question_measures import question_measures
 from relforest.forests.statements import Bound, Is, Near, Statement
-from relforest.forests.tree_features import question_measures, tree_features
+from relforest.forests.tree_features import tree_features
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.errors import InputError
-from relforest.trees import Instantiation, Question, Tree, query
+from relforest.trees import Instantiation, Leaf, Question, Tree, query
+from relforest.volumes import Ellipsoid
 from small_trees import NOWHERE, near_tree, plane, scenes_in
 
 
@@ -164,10 +166,24 @@ def at(question: Question, scenes: Scenes, bound: tuple[int, ...]) -> NDArray[np
     return question.mapping.evaluate(scenes.schema, scenes.matrix, rows)
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_questions_of_smrf_trees_are_measured_as_defined(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def chain(rng: np.random.Generator, n_parameters: int, depth: int) -> Tree:
+    """A tree of one branch of Noes, with an object bound before every question, about that object or any."""
+    schema = scenes_for_trees(rng, n_parameters).schema
+    tree = Tree.stub(schema, Leaf(0.5, 0, 0))
+    for number in range(depth):
+        mapping, variables = random_question(rng, n_parameters + number + 1)
+        if rng.random() < 0.7:
+            mapping, variables = Mapping("identity", schema.attributes[number % 3]), (n_parameters + number,)
+        question = Question(mapping, variables, random_volume(rng, mapping), 0, 0, 0)
+        tree = tree.expanded(number, 1 if number else n_parameters + 1, question)
+    return tree
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_questions_of_smrf_trees_are_measured_as_defined(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    tree, scenes = random_tree(rng, seed % 3), scenes_for_trees(rng, seed % 3)
+    scenes = scenes_for_trees(rng, seed % 3)
+    tree = random_tree(rng, seed % 3) if seed < 8 else chain(rng, seed % 3, 4)
     asked = [index for index, node in enumerate(tree.nodes) if isinstance(node, Question)]
     expected = np.full((2, len(scenes), len(asked)), np.nan)
     for scene in range(len(scenes)):
@@ -184,9 +200,21 @@ def test_questions_of_smrf_trees_are_measured_as_defined(seed: int, monkeypatch:
     found = question_measures(tree, scenes)
     np.testing.assert_allclose(found[0], expected[0], rtol=1e-9, atol=1e-9)
     assert np.array_equal(found[1], expected[1])
-    monkeypatch.setattr("relforest.forests.tree_features._MOST_SEQUENCES", 3)
-    for one, other in zip(question_measures(tree, scenes), found, strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+    assert np.array_equal(question_measures(tree, scenes, n_jobs=2), found, equal_nan=True)
+
+
+def test_many_variables_and_objects_take_no_time() -> None:
+    # None of 40 objects is near (20, 9), nor another one, nor ...: 40 * 39 * ... * 34 sequences.
+    scenes = scenes_in(plane(), [[(i, 0) for i in range(40)]])
+    far = Ellipsoid(np.array([20.0, 9.0]), np.eye(2), 0.5, 3, 0.1)
+    tree = Tree.stub(plane(), Leaf(0.5, 0, 0))
+    for number in range(7):
+        question = Question(Mapping("identity", plane()["location"]), (number,), far, 0, 0, 0)
+        tree = tree.expanded(number, 1, question)
+    margins, counts = question_measures(tree, scenes)
+
+    assert margins[0].tolist() == pytest.approx([8.5] * 7)
+    assert counts[0].tolist() == [0.0] * 7
 
 
 def test_bits_probabilities_and_densities_are_those_of_each_tree() -> None:

@@ -14,16 +14,8 @@ from relforest.forests.bindings import bindings
 from relforest.forests.columns import columns
 from relforest.forests.growth import grow_tree
 from relforest.forests.kernels import Plan, Search, Targets, best_limit, order_scenes, work_space
-from relforest.forests.rows import (
-    AT_LEAST,
-    AT_MOST,
-    LARGE,
-    SMALL,
-    Choices,
-    allow_all,
-    least_values,
-    restrict,
-)
+from relforest.forests.kinds import AT_LEAST, AT_MOST, LARGE, SMALL
+from relforest.forests.rows import Choices, allow_all, least_values, restrict
 from relforest.forests.tables import condition_tables
 from relforest.forests.words import sentence
 from relforest.scenes import Attribute, Scenes, Schema

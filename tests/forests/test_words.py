@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,32 @@ def said(operation: str, attribute: str, variables: tuple[int, ...], test: Bound
             (0, 2),
             Near(0, (3.0,), (1.0,)),
             "some object is between 2 and 4 from the passer in weight",
+        ),
+        # Ends that no value can pass are not mentioned.
+        ("distance", "location", (0, 2), Near(0, (1.0,), (2.0,)), "some object is within 3 of the passer"),
+        (
+            "scaled_distance",
+            "location",
+            (0, 1, 2),
+            Near(0, (0.5,), (0.75,)),
+            "some object is at most 1.25 times as far from the passer as the target is",
+        ),
+        *(
+            (
+                "bearing",
+                "location",
+                (0, 1, 2),
+                Near(0, (math.pi / 2,), (radius,)),
+                f"some object is seen from the passer {angles} degrees away from the target",
+            )
+            for radius, angles in ((1.0, "between 32.7 and 147"), (2.0, "at least 0"))
+        ),
+        (
+            "bearing",
+            "location",
+            (0, 1, 2),
+            Near(0, (3.0,), (1.0,)),
+            "some object is seen from the passer at least 115 degrees away from the target",
         ),
         (
             "difference",

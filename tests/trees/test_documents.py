@@ -16,6 +16,7 @@ from relforest.scenes import Attribute, Schema
 from relforest.support.errors import ModelFormatError
 from relforest.support.files import read_json, write_json
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree, query, structure
+from relforest.trees.bounds import Bounds
 from relforest.trees.node_json import node_to_dict
 from relforest.trees.tree import FORMAT, VERSION
 from relforest.volumes import Arc, Ellipsoid, Slab
@@ -35,6 +36,7 @@ def tree() -> Tree:
         3,
         7,
         8,
+        (Bounds(0, -math.inf, 1 / 7),),
     )
     turned = Question(Mapping("identity", SCHEMA["orientation"]), (1,), Arc(0.1 + 0.2, 1 / 7, 2.5), 4, 5, 6)
     nodes: tuple[Node, ...] = (
@@ -149,6 +151,24 @@ def holder(document: Any, path: tuple[str | int, ...]) -> Any:
     for step in path[:-1]:
         document = document[step]
     return document
+
+
+@pytest.mark.parametrize(
+    "bounds",
+    [
+        *(1, [0], [[0, 1]], [[0, None, None]], [[0, 2, 1]], [[1, 0, 1]], [[-1, 0, 1]], [[0.5, 0, 1]]),
+        *([[0, "1", 2]], [[0, 1e200, None]], [[0, 1, None], [0, None, 2]]),
+    ],
+)
+def test_bounds_that_make_no_sense_are_refused(bounds: object) -> None:
+    with pytest.raises(ModelFormatError):
+        Tree.from_dict(changed(lambda whole: whole["nodes"][2].update(bounds=bounds)))
+
+
+def test_files_without_bounds_are_read() -> None:
+    document = changed(lambda whole: whole["nodes"][2].pop("bounds"))
+
+    assert "is within 0.143 of A" not in str(Tree.from_dict(document))
 
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: ".".join(map(str, path)))
@@ -349,6 +369,7 @@ def test_a_volume_beyond_what_can_be_learned_is_refused(change: tuple[str, objec
 def test_the_largest_volume_contains_everything() -> None:
     schema = Schema((Attribute("location", 2),), ("passer",))
     document = changed(set_at("nodes", 2, "volume", "radius", to=1e39))
+    del document["nodes"][2]["bounds"]
     assert "there is a B within 1.77e+39 of A" in str(Tree.from_dict(document))
     nodes = [
         *document["nodes"][:2],

@@ -9,6 +9,7 @@ import pytest
 
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
+from relforest.trees.bounds import Bounds
 from relforest.trees.places import place
 from relforest.volumes import Arc, Ellipsoid, Slab
 
@@ -93,7 +94,8 @@ def test_where_only_one_coordinate_counts() -> None:
 
     def said(operation: str, axis: int, centre: float, half: float) -> str:
         interval = Ellipsoid(np.array([centre]), np.array([[half * half]]), 1.0, 3, 0.1)
-        return place(Mapping(operation, location), Slab(interval, axis, 2), names)
+        bounds = (Bounds(axis, centre - half, centre + half),)
+        return place(Mapping(operation, location), Slab(interval, axis, 2), names, bounds)
 
     assert said("difference", 1, -3, 2) == "at smaller y than A"
     assert said("difference", 1, 0, 2) == ""

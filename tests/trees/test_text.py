@@ -11,6 +11,7 @@ import pytest
 from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree
+from relforest.trees.bounds import Bounds
 from relforest.trees.text import describe, fresh_variables, one_sided_hint, sentence
 from relforest.volumes import Arc, Ellipsoid, Slab, Volume
 from small_trees import ball, leaf, plane
@@ -106,7 +107,7 @@ def test_the_coordinate_of_a_new_object() -> None:
         (100, 200, "at least 100 degrees"),
         (100, 180, "at least 100 degrees"),
         (20, 30, "between 20 and 30 degrees"),
-        (-5, 190, "between 0 and 190 degrees"),
+        (-5, 190, "any number of degrees"),
     ],
 )
 def test_angles_without_ends_that_cut_nothing(low: float, high: float, expected: str) -> None:
@@ -403,3 +404,90 @@ def test_bindings_above_a_leaf_are_not_worth_a_line() -> None:
     assert describe(schema, (Instantiation(1), leaf(0.5)), other=None).splitlines()[1:] == [
         "0.50  (0 of 0 scenes positive)"
     ]
+
+
+@pytest.mark.parametrize(
+    ("operation", "attribute", "volume", "bounds", "expected"),
+    [
+        ("identity", Attribute("weight"), RING, [(0, 3.0, math.inf)], "A has weight at least 3"),
+        ("distance", LOCATION, RING, [(0, 3.0, math.inf)], "B is at least 3 from A"),
+        ("distance", LOCATION, RING, [(0, -math.inf, 6.987)], "B is within 6.987 of A"),
+        (
+            "difference",
+            Attribute("weight"),
+            RING,
+            [(0, 3.0, math.inf)],
+            "B has weight at least 3 more than A's",
+        ),
+        (
+            "difference",
+            Attribute("weight"),
+            RING,
+            [(0, -3.0, math.inf)],
+            "B has weight at most 3 less than A's",
+        ),
+        (
+            "difference",
+            Attribute("weight"),
+            RING,
+            [(0, -math.inf, 7.0)],
+            "B has weight at most 7 more than A's",
+        ),
+        (
+            "difference",
+            Attribute("weight"),
+            RING,
+            [(0, -math.inf, -7.0)],
+            "B has weight at least 7 less than A's",
+        ),
+        ("difference", Attribute("weight"), RING, [(0, -math.inf, 0.0)], "B has weight at most A's"),
+        (
+            "scaled_distance",
+            LOCATION,
+            RING,
+            [(0, 1.2, math.inf)],
+            "C is at least 1.2 times as far from A as B",
+        ),
+        ("bearing", LOCATION, RING, [(0, 1.0, math.inf)], "C is at least 57.3 degrees from B, seen from A"),
+        ("bearing", LOCATION, RING, [(0, -math.inf, 1.0)], "C is at most 57.3 degrees from B, seen from A"),
+        ("identity", LOCATION, slab(0, 3, 5), [(0, -math.inf, 5.0)], "x of A is at most 5"),
+        ("identity", LOCATION, FLAT, [(0, 3.0, math.inf)], "x of A is at least 3"),
+        (
+            "identity",
+            LOCATION,
+            FLAT,
+            [(0, 3.0, math.inf), (1, -2.0, 1.0)],
+            "x of A is at least 3 and y of A is between -2 and 1",
+        ),
+        ("identity", COLOR, PALE, [(2, 0.9, math.inf)], "component 3 of A's color is at least 0.9"),
+        ("difference", LOCATION, FLAT, [(1, -math.inf, -2.0)], "y of B is at least 2 less than A's"),
+        (
+            "reframe",
+            LOCATION,
+            FLAT,
+            [(0, 0.5, math.inf), (1, -math.inf, 2.0)],
+            (
+                "C is in front of A, looking from A to B: x at least 0.5 and y at most 2, with A at (0, 0) "
+                "and B straight along (1, 0)"
+            ),
+        ),
+        # On the right of A, but what counts is another side of the ellipse.
+        (
+            "reframe",
+            LOCATION,
+            FLAT,
+            [(1, -3.0, math.inf)],
+            "y of C is at least -3, with A at (0, 0) and B straight along (1, 0)",
+        ),
+    ],
+)
+def test_only_the_bounds_that_count_are_told(
+    operation: str,
+    attribute: Attribute,
+    volume: Volume,
+    bounds: list[tuple[int, float, float]],
+    expected: str,
+) -> None:
+    mapping = Mapping(operation, attribute)
+    variables, counted = tuple(range(mapping.arity)), tuple(Bounds(*each) for each in bounds)
+    assert sentence(Question(mapping, variables, volume, 1, 2, 3, counted)) == expected

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from threading import Event
 from typing import TYPE_CHECKING, Any, Final, cast, final
 
 import numpy as np
 
+from relforest.forests.batches import in_batches
 from relforest.forests.evaluation import condition_holds, leaves
 from relforest.forests.packing import CONDITION, NO, YES, Packed, pack
 from relforest.forests.scene_tree import SceneTree
@@ -23,8 +22,6 @@ from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from relforest.forests.conditions import Condition
@@ -33,29 +30,6 @@ if TYPE_CHECKING:
 FORMAT: Final = "relforest-ensemble"
 VERSION: Final = 1
 _MOST_OUTPUTS: Final = 1000
-# Scenes between two looks at whether the user wants to stop, at most some tenths of a second.
-_BATCH: Final = 200
-
-
-def in_batches(evaluate: Callable[[int, int], None], n: int, n_jobs: int) -> None:
-    """Call ``evaluate(begin, end)`` for parts of n scenes, in `n_jobs` threads that can be interrupted."""
-    interrupted = Event()
-
-    def part(begin: int) -> None:
-        if not interrupted.is_set():
-            evaluate(begin, min(begin + _BATCH, n))
-
-    batches = range(0, n, _BATCH)
-    if n_jobs == 1:
-        for begin in batches:
-            part(begin)
-        return
-    with ThreadPoolExecutor(n_jobs) as pool:
-        try:
-            list(pool.map(part, batches))
-        finally:
-            # Leaving the ``with`` block waits for all threads.
-            interrupted.set()
 
 
 @final
@@ -139,8 +113,8 @@ class Ensemble:
             return out
         columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
 
-        def evaluate(begin: int, end: int) -> None:
-            leaves(self.packed, scenes.matrix, columns, begin, end, out)
+        def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
+            leaves(self.packed, scenes.matrix, columns, begin, end, out, stop)
 
         in_batches(evaluate, len(scenes), n_jobs)
         return out
@@ -166,12 +140,12 @@ class Ensemble:
         scene = scene.recoded(self.schema)
         packed, met = self.packed, []
         node = packed.roots[tree]
-        point = np.empty((1, max(self.schema.width, 2)))
+        point, stop = np.empty((1, max(self.schema.width, 2))), np.zeros(1, dtype=np.bool_)
         while packed.nodes[node, CONDITION] >= 0:
             number = packed.nodes[node, CONDITION]
             bound = np.empty(self.schema.n_parameters + 2, dtype=np.int64)
             place = (scene.matrix, scene.objects(0), scene.arguments[0], bound, point)
-            is_true = condition_holds(packed, number, *place)
+            is_true = condition_holds(packed, number, *place, stop)
             condition = self.conditions[number]
             met.append((condition, is_true, bound[: self.schema.n_parameters + condition.n_free]))
             node = packed.nodes[node, YES if is_true else NO]

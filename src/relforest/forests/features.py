@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 
-from relforest.forests.ensemble import in_batches
+from relforest.forests.batches import in_batches
 from relforest.forests.measures import measures
+from relforest.forests.question_measures import question_measures
 from relforest.forests.questions import leaf_in_words, question_in_words, questions
-from relforest.forests.tree_features import question_measures, tree_features
+from relforest.forests.tree_features import tree_features
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
 from relforest.support.parallel import checked_jobs
@@ -20,6 +21,8 @@ from relforest.trees import Tree, query
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from numpy.typing import NDArray
 
     from relforest.forests.ensemble import Ensemble
     from relforest.scenes import Scenes
@@ -124,14 +127,14 @@ def _names_of_leaves(ensemble: Ensemble, number: int, mode: Mode) -> Iterator[st
 def _measures(ensemble: Ensemble, scenes: Scenes, n_jobs: int) -> tuple[FloatArray, FloatArray]:
     if ensemble.is_smrf:
         empty = np.empty((len(scenes), 0))
-        found = [question_measures(cast("Tree", tree), scenes) for tree in ensemble.trees]
+        found = [question_measures(cast("Tree", tree), scenes, n_jobs=n_jobs) for tree in ensemble.trees]
         margins, counts = zip((empty, empty), *found, strict=True)
         return np.hstack(margins), np.hstack(counts)
     out = np.empty((2, len(scenes), len(ensemble.conditions)))
     columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
 
-    def evaluate(begin: int, end: int) -> None:
-        measures(ensemble.packed, scenes.matrix, columns, begin, end, out[0], out[1])
+    def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
+        measures(ensemble.packed, scenes.matrix, columns, begin, end, out[0], out[1], stop)
 
     in_batches(evaluate, len(scenes), n_jobs)
     return out[0], out[1]

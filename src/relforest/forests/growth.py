@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from relforest.forests.kernels import Plan, Targets, best_condition, work_space
-from relforest.forests.rows import N_NUMBERS
+from relforest.forests.kinds import N_NUMBERS
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 
 if TYPE_CHECKING:

@@ -7,22 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.forests.rows import (
-    CENTRE,
-    EVERY,
-    FIRST,
-    IS,
-    KIND,
-    LIMIT,
-    N_NUMBERS,
-    SECOND,
-    WEIGHT,
-    Choices,
-    Table,
-    allow_all,
-    least_values,
-    restrict,
-)
+from relforest.forests.kinds import CENTRE, FIRST, IS, KIND, LIMIT, N_NUMBERS, SECOND, WEIGHT
+from relforest.forests.rows import EVERY, Choices, Table, allow_all, least_values, restrict
 from relforest.support.jit import inlined, kernel
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from relforest.forests.evaluation import excess, is_argument
-from relforest.forests.packing import BEGIN, COUNT, END, IS, N_COMPONENTS, N_FREE, NEAR, TEST, Packed
+from relforest.forests.evaluation import excess, following
+from relforest.forests.kinds import IS, KIND, NEAR, SECOND, WEIGHT
+from relforest.forests.packing import BEGIN, COUNT, END, N_FREE, Packed
 from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
@@ -30,18 +31,17 @@ def _margin(
     """
     worst, is_wrong, has_number = -np.inf, False, False
     for statement in range(packed.conditions[condition, BEGIN], packed.conditions[condition, END]):
-        x, kind = excess(packed, statement, matrix, bound, point), packed.statements[statement, TEST]
+        x, numbers = excess(packed, statement, matrix, bound, point), packed.numbers[statement]
         if math.isnan(x):
             return np.nan
-        if kind >= IS:
+        if numbers[KIND] >= IS:
             is_wrong |= x > 0.0
             continue
         has_number = True
-        if kind == NEAR:
-            a, b = packed.numbers[statement, 2], packed.numbers[statement, 3]
+        if numbers[KIND] >= NEAR:
             # The distance beyond the end of an interval, or about that beyond an ellipse.
-            scale = a if packed.statements[statement, N_COMPONENTS] == 1 else math.sqrt(a * b)
-            x = (math.sqrt(x + 1.0) - 1.0) * scale
+            area = numbers[WEIGHT] * (numbers[WEIGHT] if numbers[SECOND] < 0 else numbers[WEIGHT + 1])
+            x = (math.sqrt(x + 1.0) - 1.0) / math.sqrt(math.sqrt(area))
         worst = max(worst, x)
     if has_number:
         return np.nan if is_wrong else worst
@@ -69,33 +69,31 @@ def _measure(
     arguments: NDArray[np.int64],
     bound: NDArray[np.int64],
     point: NDArray[np.float64],
+    stop: NDArray[np.bool_],
 ) -> tuple[float, int]:
     n_arguments, n_free = len(arguments), packed.conditions[condition, N_FREE]
+    every = packed.conditions[condition, COUNT] == 0
     smallest = np.full(max(packed.conditions[condition, COUNT], 1), np.inf)
     bound[:n_arguments] = arguments
     bound[n_arguments:] = -1
     count, farthest = 0, -np.inf
     if n_free == 0:
         count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
-    else:
-        for first in objects:
-            if is_argument(first, arguments):
-                continue
-            bound[n_arguments] = first
-            if n_free == 1:
-                count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
-                continue
-            n_before = count
-            for second in objects:
-                if second != first and not is_argument(second, arguments):
-                    bound[n_arguments + 1] = second
-                    count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
-            if packed.conditions[condition, COUNT] == 0:
-                farthest, smallest[0] = max(farthest, smallest[0]), np.inf
-                count = min(count, n_before + 1)
-        if packed.conditions[condition, COUNT] == 0 and farthest > -np.inf:
-            smallest[0] = farthest
-    margin = smallest[len(smallest) - 1]
+    first = following(objects, arguments, -1, -1) if n_free > 0 else len(objects)
+    while first < len(objects) and not stop[0]:
+        bound[n_arguments] = objects[first]
+        second = following(objects, arguments, -1, first) if n_free == 2 else 0
+        n_before = count
+        while second < len(objects):
+            if n_free == 2:
+                bound[n_arguments + 1] = objects[second]
+            count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
+            second = following(objects, arguments, second, first) if n_free == 2 else len(objects)
+        if every:
+            farthest, smallest[0] = max(farthest, smallest[0]), np.inf
+            count = min(count, n_before + 1)
+        first = following(objects, arguments, first, -1)
+    margin = farthest if every and farthest > -np.inf else smallest[len(smallest) - 1]
     return (margin if margin < np.inf else np.nan), count
 
 
@@ -108,8 +106,9 @@ def measures(
     end: int,
     margins: NDArray[np.float64],
     counts: NDArray[np.float64],
+    stop: NDArray[np.bool_],
 ) -> None:
-    """Write margins and counts (n_scenes, n_conditions) for scenes from `begin` up to `end`.
+    """Write margins and counts (n_scenes, n_conditions) for scenes from `begin` up to `end`, unless stopped.
 
     The margin of a scene is that of the last choice that is needed: of the best one, or of the k-th best if k
     are required; NaN if fewer have one. For every first object, it is the largest of their own margins, and
@@ -122,5 +121,5 @@ def measures(
         objects = rows[starts[i] : starts[i] + sizes[i]]
         for condition in range(len(packed.conditions)):
             margins[i, condition], counts[i, condition] = _measure(
-                packed, condition, matrix, objects, arguments[i], bound, point
+                packed, condition, matrix, objects, arguments[i], bound, point, stop
             )

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from relforest.forests.kinds import AT_LEAST, AT_MOST, IS, IS_NOT, N_NUMBERS, NEAR, NEAR_ANGLE, SMALL
 from relforest.forests.scene_tree import SceneTree, Value
-from relforest.forests.statements import Bound, Near, Statement
+from relforest.forests.statements import Bound, Is, Near, Statement, Test
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,20 +19,10 @@ if TYPE_CHECKING:
 # Columns of `Packed.statements`.
 OPERATION: Final = 0
 CIRCULAR: Final = 1
-FIRST: Final = 2
+OFFSET: Final = 2
 DIM: Final = 3
 VARIABLES: Final = 4  # three, -1 = unused
-TEST: Final = 7
-COMPONENT: Final = 8
-N_COMPONENTS: Final = 9
-
-AT_MOST: Final = 0
-AT_LEAST: Final = 1
-SMALL: Final = 2
-LARGE: Final = 3
-NEAR: Final = 4
-IS: Final = 5
-IS_NOT: Final = 6
+N_COLUMNS: Final = 7
 
 # Columns of `Packed.conditions`.
 BEGIN: Final = 0  # first statement
@@ -49,8 +40,8 @@ LEAF: Final = 3  # number of the leaf in its tree
 class Packed(NamedTuple):
     """Trees one after the other; child indices count from the first node of all trees."""
 
-    statements: NDArray[np.int64]  # (n_statements, 10)
-    numbers: NDArray[np.float64]  # (n_statements, 4): limit or category; or two centres, two radii
+    statements: NDArray[np.int64]  # (n_statements, N_COLUMNS): the mapping
+    numbers: NDArray[np.float64]  # (n_statements, N_NUMBERS): what its components must be
     conditions: NDArray[np.int64]  # (n_conditions, 4)
     nodes: NDArray[np.int64]  # (n_nodes, 4)
     roots: NDArray[np.int64]  # (n_trees,)
@@ -80,8 +71,8 @@ def pack(schema: Schema, trees: tuple[SceneTree, ...]) -> Packed:
             nodes.append((len(conditions), root + node.yes, root + node.no, -1))
             conditions.append((begin, len(statements), asked.n_free, 0 if asked.every else asked.at_least))
     return Packed(
-        np.array(statements, dtype=np.int64).reshape(-1, 10),
-        np.array(numbers, dtype=np.float64).reshape(-1, 4),
+        np.array(statements, dtype=np.int64).reshape(-1, N_COLUMNS),
+        np.array(numbers, dtype=np.float64).reshape(-1, N_NUMBERS),
         np.array(conditions, dtype=np.int64).reshape(-1, 4),
         np.array(nodes, dtype=np.int64).reshape(-1, 4),
         np.array(roots, dtype=np.int64),
@@ -89,25 +80,27 @@ def pack(schema: Schema, trees: tuple[SceneTree, ...]) -> Packed:
 
 
 def _statement(schema: Schema, statement: Statement) -> tuple[list[int], list[float]]:
-    mapping, test = statement.mapping, statement.test
-    variables = [*statement.variables, -1, -1][:3]
-    component, n_components = 0, 1
-    if isinstance(test, Bound):
-        kind = (AT_MOST if test.side == "at most" else AT_LEAST) + (SMALL if test.absolute else 0)
-        component, numbers = test.component, [test.limit, 0.0, 0.0, 0.0]
-    elif isinstance(test, Near):
-        kind, component, n_components = NEAR, test.component, len(test.centre)
-        numbers = [*test.centre, 0.0][:2] + [*test.radii, 1.0][:2]
-    else:
-        kind, numbers = (IS_NOT if test.negated else IS), [float(test.category), 0.0, 0.0, 0.0]
+    mapping = statement.mapping
     row = [
         mapping.rule.code,
         int(mapping.space == "circle"),
         schema.offset(mapping.attribute.name),
         mapping.attribute.dim,
-        *variables,
-        kind,
-        component,
-        n_components,
+        *[*statement.variables, -1, -1][:3],
     ]
-    return row, numbers
+    return row, _numbers(statement.test, is_circular=mapping.space == "circle")
+
+
+def _numbers(test: Test, *, is_circular: bool) -> list[float]:
+    """Return a test as a row of numbers, see `relforest.forests.kinds`."""
+    match test:
+        case Bound(component, side, limit, absolute):
+            kind = (AT_MOST if side == "at most" else AT_LEAST) + (SMALL if absolute else 0)
+            return [kind, component, -1, 0.0, 0.0, 0.0, 0.0, limit if side == "at most" else -limit]
+        case Near(component, centre, radii):
+            weights = [1.0 / radius**2 for radius in radii]
+            second = component + 1 if len(centre) == 2 else -1
+            kind = NEAR_ANGLE if is_circular else NEAR
+            return [kind, component, second, *[*centre, 0.0][:2], *[*weights, 1.0][:2], 1.0]
+        case Is(category, negated):
+            return [IS_NOT if negated else IS, 0, -1, category, 0.0, 0.0, 0.0, 0.5]

@@ -1,4 +1,4 @@
-"""Compiled statements as rows of numbers, and the choices of objects for which they are true."""
+"""The choices of objects for which compiled statements are true."""
 
 from __future__ import annotations
 
@@ -7,33 +7,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from relforest.forests.kinds import FIRST, LIMIT, SECOND, value
 from relforest.support.jit import inlined, kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# A statement as a row of numbers, by these columns. It is true where its value is at most the limit.
-KIND: Final = 0
-FIRST: Final = 1  # column of the table
-SECOND: Final = 2  # another column, -1 = none
-CENTRE: Final = 3  # two numbers
-WEIGHT: Final = 5  # two numbers, 1 / radius^2
-LIMIT: Final = 7
-N_NUMBERS: Final = 8
-
-AT_MOST: Final = 0
-AT_LEAST: Final = 1
-SMALL: Final = 2  # the absolute value is at most ...
-LARGE: Final = 3
-NEAR: Final = 4
-NEAR_ANGLE: Final = 5
-IS: Final = 6
-IS_NOT: Final = 7
-
 # Instead of a number of choices: one for every first of two free objects.
 EVERY: Final = 0
-
-_TURN: Final = 2.0 * math.pi
 
 
 class Table(NamedTuple):
@@ -65,31 +46,11 @@ class Choices(NamedTuple):
 
 
 @inlined
-def value(values: NDArray[np.float64], choice: int, statement: NDArray[np.float64]) -> float:
-    """The value of a statement for one choice; NaN where undefined."""
-    kind = int(statement[KIND])
-    x = values[int(statement[FIRST]), choice]
-    result = x
-    if kind == AT_LEAST:
-        result = -x
-    elif kind == SMALL:
-        result = abs(x)
-    elif kind == LARGE:
-        result = -abs(x)
-    elif kind == NEAR_ANGLE:
-        away = x - statement[CENTRE]
-        away -= _TURN * np.rint(away / _TURN)
-        result = statement[WEIGHT] * away * away
-    elif kind == NEAR:
-        away = x - statement[CENTRE]
-        result = statement[WEIGHT] * away * away
-        if statement[SECOND] >= 0.0:
-            away = values[int(statement[SECOND]), choice] - statement[CENTRE + 1]
-            result += statement[WEIGHT + 1] * away * away
-    elif kind >= IS:
-        same = x == statement[CENTRE]
-        result = np.nan if math.isnan(x) else (0.0 if same == (kind == IS) else 1.0)
-    return float(result)
+def value_of(table: Table, choice: int, statement: NDArray[np.float64]) -> float:
+    """The value of a statement, whose numbers are columns of the table, for one choice."""
+    second = int(statement[SECOND])
+    y = table.values[second, choice] if second >= 0 else 0.0
+    return value(statement, table.values[int(statement[FIRST]), choice], y)
 
 
 @kernel
@@ -112,7 +73,7 @@ def restrict(table: Table, statement: NDArray[np.float64], allowed: Choices) -> 
         end = allowed.starts[i + 1]
         for place in range(begin, end):
             choice = allowed.rows[place]
-            if value(table.values, choice, statement) <= statement[LIMIT]:
+            if value_of(table, choice, statement) <= statement[LIMIT]:
                 allowed.rows[n] = choice
                 n += 1
         begin = end
@@ -145,7 +106,7 @@ def least_values(
     for i in range(len(scenes)):
         smallest[:] = np.inf
         for place in range(allowed.starts[i], allowed.starts[i + 1]):
-            x = value(table.values, allowed.rows[place], statement)
+            x = value_of(table, allowed.rows[place], statement)
             if x < smallest[at_least - 1]:
                 rank = at_least - 1
                 while rank > 0 and x < smallest[rank - 1]:
@@ -170,7 +131,7 @@ def _largest_of_least(
         for first in range(begin, end, max(n_seconds, 1)):
             nearest = np.inf
             while place < allowed.starts[i + 1] and allowed.rows[place] < first + n_seconds:
-                x = value(table.values, allowed.rows[place], statement)
+                x = value_of(table, allowed.rows[place], statement)
                 if x < nearest:  # noqa: PLR1730 - min() may return NaN
                     nearest = x
                 place += 1
@@ -197,7 +158,7 @@ def holds(
             while n < needed and choice < first + size:
                 is_true = True
                 for j in range(len(statements)):
-                    if not value(table.values, choice, statements[j]) <= statements[j, LIMIT]:
+                    if not value_of(table, choice, statements[j]) <= statements[j, LIMIT]:
                         is_true = False
                         break
                 n += is_true

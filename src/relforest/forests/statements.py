@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Side = Literal["at most", "at least"]
 
 _LARGEST: Final = 1e100
+_SMALLEST: Final = 1 / _LARGEST
 
 
 @final
@@ -151,8 +152,10 @@ def _test(document: dict[str, Any], mapping: Mapping) -> Test:
     component = between("component", document["component"], 0, mapping.dim - 1)
     if "centre" in document:
         centre, radii = ([_number(each) for each in document[key]] for key in ("centre", "radii"))
-        if not 1 <= len(centre) == len(radii) <= min(2, mapping.dim - component) or min(radii) <= 0.0:
-            raise ModelFormatError("centre and radii must be one or two numbers each, the radii positive")
+        if not 1 <= len(centre) == len(radii) <= min(2, mapping.dim - component) or min(radii) < _SMALLEST:
+            raise ModelFormatError(
+                f"centre and radii must be one or two numbers each, the radii at least {_SMALLEST:g}"
+            )
         return Near(component, tuple(centre), tuple(radii))
     side: Side = "at most" if "at most" in document else "at least"
     absolute = document.get("absolute", False)

@@ -10,11 +10,10 @@ import numpy as np
 from relforest.forests.bindings import bindings, column_values
 from relforest.forests.columns import Column, columns
 from relforest.forests.conditions import Condition
-from relforest.forests.rows import (
+from relforest.forests.kinds import (
     AT_LEAST,
     AT_MOST,
     CENTRE,
-    EVERY,
     FIRST,
     IS,
     IS_NOT,
@@ -26,9 +25,8 @@ from relforest.forests.rows import (
     SECOND,
     SMALL,
     WEIGHT,
-    Table,
-    holds,
 )
+from relforest.forests.rows import EVERY, Table, holds
 from relforest.forests.statements import Bound, Is, Near, Statement, Test, is_category
 from relforest.support.progress import report
 

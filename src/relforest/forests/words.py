@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 _AXES: Final = ("x", "y", "z")
 _LETTERS: Final = "CD"
+# Numbers that are never below zero: an interval that begins there has one end.
+_POSITIVE: Final = frozenset({"distance", "scaled_distance", "bearing"})
 
 
 class _Phrase(NamedTuple):
@@ -52,7 +54,7 @@ def sentence(condition: Condition, schema: Schema) -> str:
     """
     n_arguments = schema.n_parameters
     alone = condition.n_free == 1 and condition.at_least == 1
-    names = [f"the {name}" for name in schema.parameters]
+    names = [name if len(name) == 1 else f"the {name}" for name in schema.parameters]
     names += [""] if alone else list(_LETTERS[: condition.n_free])
     phrases = [_phrase(statement, names) for statement in condition.statements]
     if condition.n_free == 0:
@@ -98,12 +100,17 @@ def _phrase(statement: Statement, names: list[str]) -> _Phrase:
         return _Phrase(subject, said, is_kind=not test.negated)
     if isinstance(test, Near) and len(test.centre) == 2:
         return _Phrase(subject, _ellipse(statement, test, others))
-    return _Phrase(subject, _number(statement, _range(test), others))
+    return _Phrase(subject, _number(statement, _range(test, mapping.operation), others))
 
 
-def _range(test: Bound | Near) -> _Range:
+def _range(test: Bound | Near, operation: str) -> _Range:
     if isinstance(test, Near):
-        return _Range(test.centre[0] - test.radii[0], test.centre[0] + test.radii[0])
+        low, high = test.centre[0] - test.radii[0], test.centre[0] + test.radii[0]
+        if operation == "bearing" and high >= math.pi:
+            high = math.inf
+        if operation in _POSITIVE and low <= 0.0:
+            low = 0.0 if math.isinf(high) else -math.inf
+        return _Range(low, high)
     if test.side == "at most":
         return _Range(-math.inf, test.limit, test.absolute)
     return _Range(test.limit, math.inf, test.absolute)
@@ -122,8 +129,7 @@ def _number(statement: Statement, limits: _Range, others: list[str]) -> str:
             far = _limits(limits)
             return f"is {far} times as far from {others[0]} as {others[1]} is" + _as_to(name)
         case "bearing":
-            low = max(math.degrees(limits.low), 0.0) if math.isfinite(limits.low) else limits.low
-            turned = _Range(low, math.degrees(limits.high))
+            turned = _Range(math.degrees(limits.low), math.degrees(limits.high))
             return f"is seen from {others[0]} {_limits(turned)} degrees away from {others[1]}" + _as_to(name)
         case "difference":
             part = _component(name, dim, component)

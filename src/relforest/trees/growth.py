@@ -10,6 +10,7 @@ import numpy as np
 from relforest.mappings import catalogue
 from relforest.support.errors import InputError
 from relforest.support.progress import part
+from relforest.trees.bounds import needed_bounds
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf
 from relforest.trees.criterion import Target
 from relforest.trees.nodes import Leaf, Question
@@ -197,7 +198,9 @@ class _State:
     def expanded(self, leaf: int, found: Candidate) -> _State:
         """Return the tree with a leaf replaced by the candidate's question."""
         expansion = found.question.expansion
-        node = Question(expansion.mapping, expansion.variables, found.volume, 0, 0, 0)
+        mapping, points = expansion.mapping, found.question.bags.points
+        bounds = () if mapping.space == "category" else needed_bounds(found.volume, points)
+        node = Question(mapping, expansion.variables, found.volume, 0, 0, 0, bounds)
         parts = found.question.partition(found.volume)
         return _State(
             self.tree.expanded(leaf, expansion.n_new, node),

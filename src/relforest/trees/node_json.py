@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import reprlib
 from collections.abc import Mapping as Dictionary
 from typing import TYPE_CHECKING, Any, Final
@@ -10,6 +11,7 @@ from relforest.mappings import Mapping
 from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import ModelFormatError
 from relforest.support.options import in_range
+from relforest.trees.bounds import Bounds
 from relforest.trees.nodes import ClassLeaf, Instantiation, Leaf, MeanLeaf, Node, Question
 from relforest.volumes import volume_from_dict
 
@@ -58,7 +60,7 @@ def node_to_dict(node: Node) -> dict[str, Any]:
                 "yes": node.yes,
                 "no": node.no,
                 "error": node.error,
-            }
+            } | ({"bounds": [_bounds_to_list(each) for each in node.bounds]} if node.bounds else {})
 
 
 def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribute]) -> Node:
@@ -88,10 +90,28 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
             raise ModelFormatError(msg)
         mapping = Mapping(document["operation"], attributes[name])
         variables = tuple(_whole(variable) for variable in document["variables"])
-        links = [_whole(document[answer]) for answer in ("yes", "no", "error")]
-        return Question(mapping, variables, volume_from_dict(document["volume"]), *links)
+        yes, no, error = (_whole(document[answer]) for answer in ("yes", "no", "error"))
+        bounds = tuple(map(_bounds_from_list, document.get("bounds", [])))
+        volume = volume_from_dict(document["volume"])
+        return Question(mapping, variables, volume, yes, no, error, bounds)
     msg = f"unknown node kind {reprlib.repr(kind)}: expected leaf, instantiation or question"
     raise ModelFormatError(msg)
+
+
+def _bounds_to_list(bounds: Bounds) -> list[float | None]:
+    """Return the coordinate and both ends, null = none."""
+    return [bounds.axis, *(end if math.isfinite(end) else None for end in (bounds.low, bounds.high))]
+
+
+def _bounds_from_list(given: list[Any]) -> Bounds:
+    axis, low, high = given
+    low, high = (
+        none if end is None else in_range("bound", end, -LARGEST_NUMBER, LARGEST_NUMBER)
+        for end, none in ((low, -math.inf), (high, math.inf))
+    )
+    if not -math.inf < low <= high and not low <= high < math.inf:
+        raise ModelFormatError(f"malformed bounds {reprlib.repr(given)}")
+    return Bounds(_whole(axis), low, high)
 
 
 def _class_leaf(document: dict[str, Any]) -> ClassLeaf:

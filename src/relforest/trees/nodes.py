@@ -10,6 +10,7 @@ from relforest.support.numerals import number, probability
 
 if TYPE_CHECKING:
     from relforest.mappings import Mapping
+    from relforest.trees.bounds import Bounds
     from relforest.volumes import Volume
 
 
@@ -167,6 +168,8 @@ class Question:
         The decision volume in the codomain of the mapping.
     yes, no, error : int
         Index of the next node if the point lies inside, outside, or is undefined.
+    bounds : tuple of Bounds
+        For sentences: bounds that divide the training points like the volume, if some of it divides none.
     """
 
     mapping: Mapping
@@ -175,6 +178,7 @@ class Question:
     yes: int
     no: int
     error: int
+    bounds: tuple[Bounds, ...] = ()
 
 
 Node = Leaf | MeanLeaf | ClassLeaf | Instantiation | Question

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.mappings import Mapping
+    from relforest.trees.bounds import Bounds
     from relforest.volumes import Ellipsoid, Volume
 
 AXIS_NAMES: Final = ("x", "y", "z")
@@ -27,26 +28,31 @@ _COMPACT: Final = 0.5
 
 
 class _Extents(NamedTuple):
-    """The box around a volume, without end where a coordinate does not matter."""
+    """The box around a volume, without end where a bound does not matter, and the half widths of all."""
 
-    centre: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
     half: NDArray[np.float64]
 
     def side(self, axis: int, border: float = 0.0) -> int:
         """Return 1 if all of the volume is beyond `border`, -1 if all of it is short of it, else 0."""
-        if math.isinf(self.half[axis]):
-            return 0
-        offset, overlap = self.centre[axis] - border, 2 * _OVERLAP * self.half[axis]
-        beyond, short = (bool(sign * offset >= self.half[axis] - overlap) for sign in (1, -1))
-        return beyond - short
+        overlap = 2 * _OVERLAP * self.half[axis]
+        return int(self.low[axis] >= border - overlap) - int(self.high[axis] <= border + overlap)
 
     def around(self, *point: float) -> bool:
         """Return whether the volume surrounds `point`, its centre being near."""
-        away = float(np.linalg.norm(self.centre - np.array(point)))
-        return away <= _CENTRED * float(self.half.min()) and not np.isinf(self.half).any()
+        if np.isinf(self.low).any() or np.isinf(self.high).any():
+            return False
+        away = float(np.linalg.norm((self.low + self.high) / 2 - np.array(point)))
+        return away <= _CENTRED * float(self.half.min())
+
+    @property
+    def is_compact(self) -> bool:
+        """Whether the volume is much smaller than the way from A to B."""
+        return bool((self.high - self.low).max() <= 2 * _COMPACT)
 
 
-def place(mapping: Mapping, volume: Volume, names: list[str]) -> str:
+def place(mapping: Mapping, volume: Volume, names: list[str], bounds: tuple[Bounds, ...] = ()) -> str:
     """Say where the volume of a question about locations lies.
 
     Left and right are meant as on a map: the first coordinate grows to the right, the second upwards.
@@ -57,6 +63,8 @@ def place(mapping: Mapping, volume: Volume, names: list[str]) -> str:
     volume : Volume
     names : list of str
         Names of the variables that the mapping takes.
+    bounds : tuple of Bounds
+        The bounds that matter, if not all of them do; of a slab, always.
 
     Returns
     -------
@@ -65,7 +73,7 @@ def place(mapping: Mapping, volume: Volume, names: list[str]) -> str:
     """
     if mapping.attribute.name != "location" or isinstance(volume, Arc) or volume.dim not in {2, 3}:
         return ""
-    box = _box(volume)
+    box = _box(volume, bounds)
     match mapping.operation:
         case "difference":
             return _beside(box, names[0])
@@ -77,21 +85,24 @@ def place(mapping: Mapping, volume: Volume, names: list[str]) -> str:
             return ""
 
 
-def _box(volume: Ellipsoid | Slab) -> _Extents:
-    if isinstance(volume, Slab):
-        endless = np.full(volume.dim, np.inf)
-        endless[volume.axis] = _box(volume.interval).half[0]
-        return _Extents(volume.mean, endless)
-    half = [finite(volume.radius * math.sqrt(variance)) for variance in np.diag(volume.covariance).tolist()]
-    return _Extents(volume.mean, np.array(half))
+def _box(volume: Ellipsoid | Slab, bounds: tuple[Bounds, ...]) -> _Extents:
+    covariance = (volume.interval if isinstance(volume, Slab) else volume).covariance
+    half = np.array([finite(volume.radius * math.sqrt(each)) for each in np.diag(covariance).tolist()])
+    half = np.broadcast_to(half, volume.dim)
+    if not bounds:
+        return _Extents(volume.mean - half, volume.mean + half, half)
+    low, high = np.full(volume.dim, -np.inf), np.full(volume.dim, np.inf)
+    for each in bounds:
+        low[each.axis], high[each.axis] = each.low, each.high
+    return _Extents(low, high, half)
 
 
 def _beside(box: _Extents, start: str) -> str:
-    sides = [(box.side(axis), name) for axis, name in enumerate(AXIS_NAMES[: len(box.centre)])]
+    sides = [(box.side(axis), name) for axis, name in enumerate(AXIS_NAMES[: len(box.half)])]
     compared = [f"{'larger' if side > 0 else 'smaller'} {name}" for side, name in sides if side]
     if compared:
         return f"at {' and '.join(compared)} than {start}"
-    return f"around {start}" if box.around(*np.zeros(len(box.centre))) else ""
+    return f"around {start}" if box.around(*np.zeros(len(box.half))) else ""
 
 
 def _seen(box: _Extents, start: str, end: str) -> str:
@@ -105,18 +116,17 @@ def _seen(box: _Extents, start: str, end: str) -> str:
 
 
 def _on_the_way(box: _Extents, start: str, end: str) -> str:
-    compact = bool(box.half.max() <= _COMPACT)
     for name, point in ((start, (0.0, 0.0)), (end, (1.0, 0.0))):
-        if compact and box.around(*point):
+        if box.is_compact and box.around(*point):
             return f"around {name}"
     side = _left_or_right(box)
     way = f"the way from {start} to {end}"
     if box.side(0) > 0 and box.side(0, 1.0) < 0:
         if side:
             return f"{side} of {way}"
-        if compact and box.around(0.5, 0.0):
+        if box.is_compact and box.around(0.5, 0.0):
             return f"around the middle of {way}"
-        return f"between {start} and {end}" if compact else ""
+        return f"between {start} and {end}" if box.is_compact else ""
     if box.side(0, 1.0) > 0:
         return f"{f'beyond {end} {side}'.strip()}, looking from {start}"
     return _seen(box, start, end)

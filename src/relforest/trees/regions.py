@@ -53,14 +53,16 @@ def interval(volume: Volume) -> Interval:
 
 
 def span(between: Interval) -> str:
-    """Say which numbers an interval holds.
+    """Say which numbers an interval holds; next to an end that is infinite, the other one is not rounded.
 
     Examples
     --------
-    >>> span((26.57, 26.63)), span((3.0, 3e9)), span((26.6, 26.6))
-    ('between 26.57 and 26.63', 'at least 3 (at most 3e+9)', 'exactly 26.6')
+    >>> span((26.57, 26.63)), span((3.0, 3e9)), span((26.6, 26.6)), span((3.0, math.inf))
+    ('between 26.57 and 26.63', 'at least 3 (at most 3e+9)', 'exactly 26.6', 'at least 3')
     """
     low, high = between
+    if math.isinf(high) or math.isinf(low):
+        return f"at least {rounded(low, 0.0)}" if math.isinf(high) else f"at most {rounded(high, 0.0)}"
     if low == high:
         return f"exactly {rounded(low, 0.0)}"
     low_text, high_text = ends(low, high)

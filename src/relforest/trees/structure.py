@@ -8,7 +8,7 @@ import numpy as np
 
 from relforest.support.errors import InputError
 from relforest.trees.nodes import Instantiation, Node, Question, children
-from relforest.volumes import Ellipsoid, Slab
+from relforest.volumes import Arc, Ellipsoid, Slab
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -122,6 +122,11 @@ def _check_question(known: frozenset[Attribute], index: int, node: Question, n_b
     fits = type(node.volume).__name__.lower() == shape or (isinstance(node.volume, Slab) and shape != "arc")
     if node.volume.dim != mapping.dim or not fits:
         msg = f"node {index}: {mapping.name} needs an {shape} in {mapping.dim} dimension(s)"
+        raise InputError(msg)
+    axes = [bounds.axis for bounds in node.bounds]
+    dim = 0 if isinstance(node.volume, Arc) else mapping.dim
+    if len(set(axes)) != len(axes) or not all(0 <= axis < dim for axis in axes):
+        msg = f"node {index}: its bounds must be about different coordinates of the {dim} that it has"
         raise InputError(msg)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from relforest.support.numerals import ends, vector
+from relforest.support.numerals import ends, number, rounded, vector
+from relforest.trees.bounds import Bounds
 from relforest.trees.nodes import (
     ANSWERS,
     AnyLeaf,
@@ -18,7 +19,7 @@ from relforest.trees.nodes import (
     variable_name,
 )
 from relforest.trees.places import AXIS_NAMES, SIDES, place
-from relforest.trees.regions import interval, region, span
+from relforest.trees.regions import Interval, interval, region, span
 from relforest.volumes import Arc, Slab
 
 if TYPE_CHECKING:
@@ -209,16 +210,21 @@ def _statement(question: Question) -> _Statement:
     compared = distance or mapping.operation in {"scaled_distance", "bearing"}
     located = mapping.attribute.name == "location" and (compared or volume.dim > 1)
     owners = names if located else [f"{name}'s" for name in names]
-    if isinstance(volume, Slab):
-        return _component(mapping, volume, names, owners)
+    bounds = question.bounds
+    if isinstance(volume, Slab) and not bounds:
+        bounds = (Bounds(volume.axis, *interval(volume.interval)),)
+    if isinstance(volume, Slab) or (volume.dim > 1 and bounds):
+        return _coordinates(mapping, volume, bounds, names)
+    limits = (bounds[0].low, bounds[0].high) if bounds else interval(volume)
     if distance:
-        exact = _distance(volume, owners[0])
-    elif mapping.operation == "identity":
-        exact = region(volume)
+        exact = _distance(_from_zero(limits), owners[0])
     elif compared:
-        exact = _seen_from(mapping.operation, interval(volume), owners)
+        exact = _seen_from(mapping.operation, limits, owners)
+    elif mapping.operation == "identity":
+        exact = span(limits) if bounds else region(volume)
     elif mapping.operation == "difference" and not located:
-        exact = _difference(volume, owners[0])
+        is_number = volume.dim == 1 and not isinstance(volume, Arc)
+        exact = _difference(limits, owners[0]) if is_number else _relative(volume, owners[0])
     else:
         exact = f"{region(volume)}, {_frame(mapping.operation, owners, volume.dim)}"
     if located:
@@ -226,22 +232,31 @@ def _statement(question: Question) -> _Statement:
     return _Statement(names[-1], "has", "", f"{mapping.attribute.name} {exact}")
 
 
-def _component(mapping: Mapping, volume: Slab, names: list[str], owners: list[str]) -> _Statement:
-    if mapping.attribute.name == "location" and volume.dim <= len(AXIS_NAMES):
-        component, owner = AXIS_NAMES[volume.axis], names[-1]
+def _coordinates(
+    mapping: Mapping, volume: Volume, bounds: tuple[Bounds, ...], names: list[str]
+) -> _Statement:
+    located = mapping.attribute.name == "location"
+    owners = names if located else [f"{name}'s" for name in names]
+    if located and volume.dim <= len(AXIS_NAMES):
+        components, owner = [AXIS_NAMES[each.axis] for each in bounds], names[-1]
     else:
-        component, owner = f"component {volume.axis + 1}", f"{names[-1]}'s {mapping.attribute.name}"
-    subject = f"{component} of {owner}"
+        components = [f"component {each.axis + 1}" for each in bounds]
+        owner = f"{names[-1]}'s {mapping.attribute.name}"
+    limits = [(each.low, each.high) for each in bounds]
+    lead = frame = ""
     if mapping.operation == "difference":
-        return _Statement(subject, "is", "", _difference(volume.interval, f"{names[0]}'s"))
-    exact = region(volume.interval)
-    if mapping.operation == "identity":
-        return _Statement(subject, "is", "", exact)
-    framed = f"{exact}, {_frame(mapping.operation, owners, volume.dim)}"
-    lead = place(mapping, volume, names)
+        said = [_difference(each, f"{names[0]}'s") for each in limits]
+    else:
+        said = [span(each) for each in limits]
+    if mapping.operation not in {"identity", "difference"}:
+        lead = place(mapping, volume, names, bounds)
+        frame = f", {_frame(mapping.operation, owners, volume.dim)}"
     if lead:
-        return _Statement(names[-1], "is", lead, f"{component} {framed}")
-    return _Statement(subject, "is", "", framed)
+        told = " and ".join(f"{name} {each}" for name, each in zip(components, said, strict=True))
+        return _Statement(names[-1], "is", lead, f"{told}{frame}")
+    subjects = [f"{name} of {owner}" for name in components]
+    told = " and ".join(f"{name} is {each}" for name, each in zip(subjects, said, strict=True))
+    return _Statement(subjects[0], "is", "", told.removeprefix(f"{subjects[0]} is ") + frame)
 
 
 def _category(mapping: Mapping, number: int, reference: str) -> str:
@@ -252,22 +267,25 @@ def _category(mapping: Mapping, number: int, reference: str) -> str:
 
 
 def _seen_from(operation: str, limits: tuple[float, float], names: list[str]) -> str:
-    if operation == "bearing":
-        turned = _bounded(math.degrees(limits[0]), math.degrees(limits[1]), 180.0)
-        return f"{turned} degrees from {names[1]}, seen from {names[0]}"
-    return f"{_bounded(*limits, math.inf)} times as far from {names[0]} as {names[1]}"
+    if operation == "scaled_distance":
+        return f"{span(_from_zero(limits))} times as far from {names[0]} as {names[1]}"
+    low, high = _from_zero((math.degrees(limits[0]), math.degrees(limits[1])))
+    high = math.inf if high >= 180.0 else high
+    if math.isinf(low) and math.isinf(high):
+        turned = "any number of"
+    elif math.isinf(low) or math.isinf(high):
+        turned = span((float(number(low)), high) if math.isinf(high) else (low, float(number(high))))
+    else:
+        turned = span((low, high))
+    return f"{turned} degrees from {names[1]}, seen from {names[0]}"
 
 
-def _bounded(low: float, high: float, most: float) -> str:
-    """Say which numbers from 0 to `most` an interval holds, without the ends that cut none of them off."""
-    if high > 0.0:
-        low = max(low, 0.0)
-    low_text, high_text = ends(low, high)
-    if low_text == "0" != high_text and high < most:
-        return f"at most {high_text}"
-    if low_text != "0" and high >= most:
-        return f"at least {ends(low, most)[0]}"
-    return span((low, high))
+def _from_zero(limits: Interval) -> Interval:
+    """Return the limits of a number that is never below zero, without a lower end that says nothing."""
+    low, high = limits
+    if math.isinf(high) or high <= 0.0 or low == -math.inf or ends(max(low, 0.0), high)[0] != "0":
+        return limits
+    return -math.inf, float(ends(0.0, high)[1])
 
 
 def _frame(operation: str, names: list[str], dim: int) -> str:
@@ -280,22 +298,22 @@ def _frame(operation: str, names: list[str], dim: int) -> str:
     return f"{start} and {names[1]} at {unit}"
 
 
-def _distance(volume: Volume, reference: str) -> str:
-    low, high = interval(volume)
-    if high > 0.0:
-        low = max(low, 0.0)
-    low_text, high_text = ends(low, high)
-    if low_text == "0" != high_text:
-        return f"within {high_text} of {reference}"
-    return f"{span((low, high))} from {reference}"
+def _distance(limits: Interval, reference: str) -> str:
+    if math.isinf(limits[0]):
+        return f"within {rounded(limits[1], 0.0)} of {reference}"
+    return f"{span(limits)} from {reference}"
 
 
-def _difference(volume: Ellipsoid | Arc, reference: str) -> str:
-    if isinstance(volume, Arc) or volume.dim > 1:
-        extent = region(volume)
-        centred = extent.removesuffix(" of 0 rad")
-        return f"relative to {reference} {extent}" if centred == extent else f"{centred} of {reference}"
-    low, high = interval(volume)
+def _relative(volume: Ellipsoid | Arc, reference: str) -> str:
+    extent = region(volume)
+    centred = extent.removesuffix(" of 0 rad")
+    return f"relative to {reference} {extent}" if centred == extent else f"{centred} of {reference}"
+
+
+def _difference(limits: Interval, reference: str) -> str:
+    low, high = limits
+    if math.isinf(low) or math.isinf(high):
+        return _beyond(limits, reference)
     low_text, high_text = ends(low, high)
     if low == high == 0.0:
         return f"equal to {reference}"
@@ -310,6 +328,16 @@ def _difference(volume: Ellipsoid | Arc, reference: str) -> str:
     if high < 0.0:
         return f"{span((-high, -low))} less than {reference}"
     return f"between {low_text.removeprefix('-')} less and {high_text} more than {reference}"
+
+
+def _beyond(limits: Interval, reference: str) -> str:
+    end, side, other = limits[0], "at least", "at most"
+    if math.isinf(end):
+        end, side, other = limits[1], other, side
+    if end == 0.0:
+        return f"{side} {reference}"
+    side, way = (side, "more") if end > 0.0 else (other, "less")
+    return f"{side} {rounded(abs(end), 0.0)} {way} than {reference}"
 
 
 def _with_article(name: str) -> str:

@@ -1,20 +1,20 @@
 from __future__ import annotations
 
-from relforest.experiments.concepts.analysis import concept_trees, figures, summarize
+from relforest.experiments.concepts.analysis import concept_models, figures, summarize
 from relforest.experiments.concepts.run import SCENES
 from relforest.experiments.concepts.settings import THRESHOLDS, TITLES
 from relforest.experiments.table import Row, Table
 
 
-def row(concept: str, test: str, pss: float, replicate: int = 0, alpha: float = 1e-3) -> Row:
+def row(concept: str, test: str, pss: float, replicate: int = 0, method: str = "tree, 0.001") -> Row:
     return {
         "concept": concept,
-        "alpha": alpha,
+        "method": method,
         "replicate": replicate,
         "test": test,
         "pss": pss,
         "leaves": 3,
-        "tree": f"tree {replicate} of {concept}",
+        "words": f"tree {replicate} of {concept}",
         "ellipse": 0.9 if concept == "between" else None,
     }
 
@@ -25,20 +25,22 @@ TABLE = Table.of(
         row("between", "20 more objects", 0.7),
         row("between", "same", 0.87, replicate=1),
         row("between", "20 more objects", 0.6, replicate=1),
-        row("between", "same", 0.5, alpha=0.05),
+        row("between", "same", 0.5, method="tree, 0.05"),
         row("yellow", "same", 0.8),
+        row("yellow", "same", 0.7, replicate=2, method="rules"),
     ]
 )
 
 
-def test_trees_are_told_apart_by_concept_test_scenes_and_level() -> None:
-    found = [(trees.concept, trees.test, trees.alpha, len(trees.rows)) for trees in concept_trees(TABLE)]
+def test_trees_are_told_apart_by_concept_test_scenes_and_method() -> None:
+    found = [(trees.concept, trees.test, trees.method, len(trees.rows)) for trees in concept_models(TABLE)]
 
     assert found == [
-        ("between", "same", 1e-3, 2),
-        ("between", "same", 0.05, 1),
-        ("between", "20 more objects", 1e-3, 2),
-        ("yellow", "same", 1e-3, 1),
+        ("between", "same", "tree, 0.001", 2),
+        ("between", "same", "tree, 0.05", 1),
+        ("between", "20 more objects", "tree, 0.001", 2),
+        ("yellow", "same", "tree, 0.001", 1),
+        ("yellow", "same", "rules", 1),
     ]
 
 
@@ -55,16 +57,17 @@ def test_one_tree_of_each_concept_is_told() -> None:
 
     assert "Learned for an object between A and B:\ntree 0 of between" in text
     assert "tree 0 of yellow" in text
+    assert "tree 2 of yellow" in text  # by rules
     assert "tree 1" not in text
     told = [line.split() for line in text.splitlines()]
-    expected = ("same", "0.001", "2", "0.910", "0.870", "0.90", "0.900", "3.0")
+    expected = ("same", "tree,", "0.001", "2", "0.910", "0.870", "0.90", "0.900", "3.0")
     assert [*TITLES["between"].split(), *expected] in told
 
 
 def test_the_figure_has_a_line_per_kind_of_trees() -> None:
     (axes,) = figures(TABLE)["scores.png"].axes
 
-    assert len(axes.get_yticklabels()) == 4
+    assert len(axes.get_yticklabels()) == 5
 
 
 def test_every_threshold_is_about_a_test_that_is_run() -> None:

@@ -1,6 +1,6 @@
-"""How well SMRF trees recover known relational concepts and carry them over to larger scenes.
+"""How well trees, forests and rules recover known relational concepts and carry them over to larger scenes.
 
-`settings` holds the concepts and thresholds, `run` learns a tree and tests it, `analysis` turns the table
+`settings` holds the concepts and thresholds, `run` learns a model and tests it, `analysis` turns the table
 into findings and a figure. The question, the command and the result are in ``README.md``.
 """
 

@@ -1,4 +1,4 @@
-"""Table -> scores by concept and kind of test scenes, claims, one tree of each concept in words, a figure."""
+"""Table -> scores by concept and kind of test scenes, claims, models of each concept in words, a figure."""
 
 from __future__ import annotations
 
@@ -11,33 +11,31 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.concepts.settings import STRICT_ALPHA, THRESHOLDS, TITLES
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.concepts.settings import STRICT_ALPHA, STRICT_TREE, THRESHOLDS, TITLES
+from relforest.experiments.table import Cell, Table, aligned
 from relforest.reports.style import BLUE, INK, ORANGE, styled
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class ConceptTrees:
-    """The trees of one concept and level on one kind of test scenes.
+class ConceptModels:
+    """The models of one concept and method on one kind of test scenes.
 
     Parameters
     ----------
-    concept, test : str
-    alpha : float
-        Nominal level.
+    concept, test, method : str
     rows : Table
-        A row per tree.
+        A row per model.
     """
 
     concept: str
     test: str
-    alpha: float
+    method: str
     rows: Table
 
     @property
     def pss(self) -> NDArray[np.float64]:
-        """Peirce skill score of each tree."""
+        """Peirce skill score of each model."""
         return self.rows.numbers("pss")
 
     @property
@@ -48,44 +46,44 @@ class ConceptTrees:
     @property
     def threshold(self) -> float | None:
         """What the mean score must reach, if anything."""
-        return THRESHOLDS.get((self.concept, self.test)) if self.alpha == STRICT_ALPHA else None
+        return THRESHOLDS.get((self.concept, self.test)) if self.method == STRICT_TREE else None
 
 
-def concept_trees(table: Table) -> Iterator[ConceptTrees]:
-    """Yield what belongs together, the strict level next to the source's."""
+def concept_models(table: Table) -> Iterator[ConceptModels]:
+    """Yield what belongs together, the methods next to each other."""
     for concept in table.distinct("concept"):
         own = table.where(concept=concept)
         for test in own.distinct("test"):
             there = own.where(test=test)
-            for alpha in np.unique(there.numbers("alpha")).tolist():
-                yield ConceptTrees(str(concept), str(test), alpha, there.where(alpha=alpha))
+            for method in there.distinct("method"):
+                yield ConceptModels(str(concept), str(test), str(method), there.where(method=method))
 
 
 def summarize(table: Table) -> Findings:
-    """List the scores, compare their means with the thresholds, and print the first tree of each concept."""
+    """List the scores, compare means with thresholds, print the first tree and rule set of each concept."""
     rows, claims = [], []
-    for trees in concept_trees(table):
+    for models in concept_models(table):
         rows.append(
             (
-                TITLES[trees.concept],
-                trees.test,
-                f"{trees.alpha:g}",
-                str(len(trees.rows)),
-                f"{trees.pss.mean():.3f}",
-                f"{trees.pss.min():.3f}",
-                "" if trees.threshold is None else f"{trees.threshold:.2f}",
-                "" if np.isnan(trees.best_ellipse) else f"{trees.best_ellipse:.3f}",
-                f"{trees.rows.numbers('leaves').mean():.1f}",
+                TITLES[models.concept],
+                models.test,
+                models.method,
+                str(len(models.rows)),
+                f"{models.pss.mean():.3f}",
+                f"{models.pss.min():.3f}",
+                "" if models.threshold is None else f"{models.threshold:.2f}",
+                "" if np.isnan(models.best_ellipse) else f"{models.best_ellipse:.3f}",
+                f"{models.rows.numbers('leaves').mean():.1f}",
             )
         )
-        if trees.threshold is not None:
-            name = f"{TITLES[trees.concept]}, test scenes: {trees.test}: mean PSS"
-            claims.append(Claim(name, float(trees.pss.mean()), low=trees.threshold))
+        if models.threshold is not None:
+            name = f"{TITLES[models.concept]}, test scenes: {models.test}: mean PSS"
+            claims.append(Claim(name, float(models.pss.mean()), low=models.threshold))
     header = (
         "concept",
         "test scenes",
-        "alpha",
-        "trees",
+        "method",
+        "models",
         "mean PSS",
         "lowest",
         "threshold",
@@ -93,8 +91,8 @@ def summarize(table: Table) -> Findings:
         "leaves",
     )
     text = (
-        "Peirce skill score of SMRF trees on test scenes like the training scenes, and on others\n"
-        f"(thresholds are for alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source;\n"
+        "Peirce skill score on test scenes like the training scenes, and on others\n"
+        f"(thresholds are for trees with alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source;\n"
         "ellipse: what the best single ellipse scores on the same scenes; leaves: mean number)\n\n"
         + aligned(header, rows)
     )
@@ -102,17 +100,17 @@ def summarize(table: Table) -> Findings:
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
-    """Draw the score of every tree next to the thresholds."""
+    """Draw the score of every model next to the thresholds."""
     with styled():
         figure = Figure(figsize=(6.8, 4.2), layout="constrained")
         axes = figure.add_subplot()
         labels = []
-        for place, trees in enumerate(concept_trees(table)):
-            color = BLUE if trees.alpha == STRICT_ALPHA else ORANGE
-            axes.plot(trees.pss, [place] * len(trees.pss), "o", color=color, alpha=0.6)
-            if trees.threshold is not None:
-                axes.plot([trees.threshold] * 2, [place - 0.3, place + 0.3], "-", color=INK)
-            labels.append(f"{TITLES[trees.concept]}, {trees.test} ({trees.alpha:g})")
+        for place, models in enumerate(concept_models(table)):
+            color = BLUE if models.method == STRICT_TREE else ORANGE
+            axes.plot(models.pss, [place] * len(models.pss), "o", color=color, alpha=0.6)
+            if models.threshold is not None:
+                axes.plot([models.threshold] * 2, [place - 0.3, place + 0.3], "-", color=INK)
+            labels.append(f"{TITLES[models.concept]}, {models.test}: {models.method}")
         axes.set_yticks(range(len(labels)), labels)
         axes.invert_yaxis()
         axes.set_xlim(right=1.01)
@@ -121,6 +119,8 @@ def figures(table: Table) -> Mapping[str, Figure]:
 
 
 def _told(table: Table) -> str:
-    strict = table.where(alpha=STRICT_ALPHA)
-    first = [strict.where(concept=concept).rows[0] for concept in strict.distinct("concept")]
-    return "\n\n".join(f"Learned for {TITLES[str(row['concept'])]}:\n{row['tree']}" for row in first)
+    first: dict[tuple[Cell, Cell], Cell] = {}
+    for row in table.rows:
+        if row["method"] in {STRICT_TREE, "rules"}:
+            first.setdefault((row["concept"], row["method"]), row["words"])
+    return "\n\n".join(f"Learned for {TITLES[str(concept)]}:\n{said}" for (concept, _), said in first.items())

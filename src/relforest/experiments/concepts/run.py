@@ -1,4 +1,4 @@
-"""A concept and a seed -> the test scores of the learned tree, and the tree in words."""
+"""A concept, a learner and a seed -> the test scores of the model, and the model in words."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from relforest.experiments.concepts.settings import (
 )
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
+from relforest.forests import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
 from relforest.metrics import peirce_skill_score
 from relforest.scenes import Scenes
 from relforest.support.progress import report
@@ -37,11 +38,11 @@ _ELLIPSE_SEED: Final = 20_000
 
 
 def compute(setting: ConceptSetting, place: Place) -> list[Row]:
-    """Return a row per kind of test scenes: concept, alpha, replicate, test, pss, leaves, tree, ellipse.
+    """Return a row per kind of test scenes: concept, method, replicate, test, pss, leaves, words, ellipse.
 
-    The last one, for trees about "between", is the score of the best single ellipse on the same test scenes.
+    The last one, for "between", is the score of the best single ellipse on the same test scenes.
 
-    Training and test scenes depend on concept and replicate only: levels are compared on the same data.
+    Training and test scenes depend on concept and replicate only: methods are compared on the same data.
 
     References
     ----------
@@ -50,11 +51,8 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     draw_training, *draw_testing = SCENES[setting.concept]
     seed = stream(seed_sequence(place.seed), list(SCENES).index(setting.concept), setting.replicate)
     scenes, labels = draw_training[1](generator(stream(seed, _TRAINING)), setting.n_scenes)
-    learner = SMRFTreeClassifier(
-        alpha=setting.alpha,
-        max_points=setting.max_points,
-        random_state=stream(seed, _LEARNING),
-    ).fit(scenes, labels)
+    learned = _learned(setting, scenes, labels, stream(seed, _LEARNING))
+    trees = [learned.tree_] if isinstance(learned, SMRFTreeClassifier) else learned.ensemble_.trees
     rows: list[Row] = []
     for number, (test, draw) in enumerate([draw_training, *draw_testing]):
         report(f"testing on {test}")
@@ -62,16 +60,31 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
         rows.append(
             {
                 "concept": setting.concept,
-                "alpha": setting.alpha,
+                "method": setting.method,
                 "replicate": setting.replicate,
                 "test": test,
-                "pss": peirce_skill_score(truth, learner.predict(new_scenes)),
-                "leaves": learner.tree_.n_leaves,
-                "tree": str(learner.tree_),
+                "pss": peirce_skill_score(truth, learned.predict(new_scenes)),
+                "leaves": sum(len(tree.leaves) for tree in trees),
+                "words": str(trees[0]) if isinstance(learned, SMRFTreeClassifier) else learned.describe(),
                 "ellipse": _ellipse_score(draw, setting.n_scenes, (new_scenes, truth)),
             }
         )
     return rows
+
+
+def _learned(
+    setting: ConceptSetting, scenes: Scenes, labels: NDArray[np.bool_], seed: np.random.SeedSequence
+) -> SMRFTreeClassifier | SMRFBoostingClassifier | SMRFForestClassifier | SMRFRuleSetClassifier:
+    match setting.learner:
+        case "tree":
+            tree = SMRFTreeClassifier(alpha=setting.alpha, max_points=setting.max_points, random_state=seed)
+            return tree.fit(scenes, labels)
+        case "boosting":
+            return SMRFBoostingClassifier(random_state=seed).fit(scenes, labels)
+        case "forest":
+            return SMRFForestClassifier(random_state=seed).fit(scenes, labels)
+        case "rules":
+            return SMRFRuleSetClassifier(random_state=seed).fit(scenes, labels)
 
 
 def _ellipse_score(draw: Draw, n_scenes: int, tested: Labelled) -> float | None:

@@ -1,16 +1,18 @@
-"""The concepts, how many scenes they are learned from, and the scores that the trees must reach."""
+"""The concepts, the learners, how many scenes they learn from, and the scores that trees must reach."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, final
+from typing import Final, Literal, final
+
+Learner = Literal["tree", "boosting", "forest", "rules"]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ConceptSetting:
-    """One tree: a concept and a seed.
+    """One model: a concept, a learner and a seed.
 
     Parameters
     ----------
@@ -21,9 +23,11 @@ class ConceptSetting:
     n_scenes : int
         Scenes in the training set, and in each test set.
     alpha : float
-        Nominal level of the likelihood ratio test.
+        Nominal level of the likelihood ratio test of a tree.
     max_points : int
-        Expansions with more points than this are left out.
+        Expansions of a tree with more points than this are sampled.
+    learner : str
+        A SMRF tree, or a model of `relforest.forests` with its default parameters.
     """
 
     concept: str
@@ -31,10 +35,16 @@ class ConceptSetting:
     n_scenes: int = 500
     alpha: float = 1e-3
     max_points: int = 100_000
+    learner: Learner = "tree"
+
+    @property
+    def method(self) -> str:
+        """The learner, and the level of a tree."""
+        return f"tree, {self.alpha:g}" if self.learner == "tree" else self.learner
 
     def __str__(self) -> str:
-        """Return the title of the concept, the level and the number of the seed."""
-        return f"{TITLES[self.concept]}, alpha {self.alpha:g}, seed {self.replicate}"
+        """Return the title of the concept, the method and the number of the seed."""
+        return f"{TITLES[self.concept]}, {self.method}, seed {self.replicate}"
 
 
 TITLES: Final = MappingProxyType(
@@ -71,6 +81,8 @@ STRICT_ALPHA: Final = 1e-3
 """The level at which the thresholds must be reached. The likelihood ratio test is anti-conservative: at 0.05
 it lets more questions pass that only fit the noise (study ``calibration``)."""
 ALPHAS: Final = (STRICT_ALPHA, 0.05)
+STRICT_TREE: Final = ConceptSetting("between", 0, alpha=STRICT_ALPHA).method
+OTHERS: Final[tuple[Learner, ...]] = ("boosting", "forest", "rules")
 
 N_REPLICATES: Final = 8
 
@@ -79,9 +91,15 @@ SETTINGS: Final = tuple(
     for alpha in ALPHAS
     for concept in TITLES
     for replicate in range(N_REPLICATES)
+) + tuple(
+    ConceptSetting(concept, replicate, learner=learner)
+    for learner in OTHERS
+    for concept in TITLES
+    for replicate in range(N_REPLICATES)
 )
 SMOKE: Final = (
     ConceptSetting("between", 0, 16, max_points=150),
     ConceptSetting("yellow", 0, 16, alpha=0.05, max_points=150),
     ConceptSetting("yellow", 0, 16, max_points=150),
+    ConceptSetting("yellow", 0, 16, learner="rules"),
 )
