@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from relforest.experiments.blocks.samples import Mean, Samples
+from relforest.experiments.blocks.pictures import figures
+from relforest.experiments.blocks.run import compute
+from relforest.experiments.blocks.samples import Samples
 from relforest.experiments.blocks.settings import (
     ARCHES,
     AUTHOR,
@@ -29,20 +34,24 @@ from relforest.experiments.blocks.settings import (
     RANDOM,
     RANDOM_RGB,
     SCENARIOS,
+    SETTINGS,
     SETTLE,
     SETTLE_REFERENCE,
     SETTLE_TOLERANCE,
     SHARE_TOLERANCE,
     SMALL_FIRST,
+    SMOKE,
     SPEED,
+    TASK_TITLES,
     TOTAL_REFERENCE,
     TOWERS,
     TRAINER,
 )
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.table import Table, aligned
-
-TASK_TITLES = {TOWERS: "high towers", GROUPS: "colour grouping", ARCHES: "arch"}
+from relforest.experiments.headings import heading
+from relforest.experiments.sheets import Entry, Estimate, Format, Sheet
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 
 _ORDERED = (
     (TOWERS, SMALL_FIRST, RANDOM),
@@ -57,16 +66,8 @@ _ORDERED = (
 def summarize(table: Table) -> Findings:
     """State what was measured beside what the author's simulator gave, and whether it lies where it must."""
     samples = Samples.of(table)
-    parts = (
-        f"Steps of 0.01 s until dropped blocks lie still\n{_settle_text(samples)}",
-        f"Steps until a block, grasped at its centre, hangs still at a height of 20\n{_lift_text(samples)}",
-        f"Options (95 % interval of the mean; durations in seconds)\n{_option_text(samples)}",
-        f"Totals of an episode (95 % interval of the mean)\n{_total_text(samples)}",
-        f"Distances of random pairs of colours\n{_color_text(samples)}",
-        f"Outcome tasks: shares of scenes\n{_outcome_text(samples)}",
-        f"CPU time of an episode of high towers, one thread\n{_speed_text(samples)}",
-    )
-    return Findings("\n\n".join(parts), tuple(_claims(samples)))
+    sheets = (_settle, _lift, _options, _totals, _arches, _colors, _outcomes, _speed)
+    return Findings("", tuple(_claims(samples)), tuple(sheet(samples) for sheet in sheets))
 
 
 def settle_numbers(samples: Samples, scenario: str) -> dict[str, float]:
@@ -84,84 +85,98 @@ def settle_numbers(samples: Samples, scenario: str) -> dict[str, float]:
     }
 
 
-def _settle_text(samples: Samples) -> str:
-    rows = []
+def _settle(samples: Samples) -> Sheet:
+    rows: list[tuple[Entry, ...]] = []
     for scenario in SCENARIOS:
         references = {name: row for (blocks, name), row in SETTLE_REFERENCE.items() if blocks == scenario}
         for name, found in {"ours": settle_numbers(samples, scenario), **references}.items():
-            whole = [f"{found[column]:.0f}" for column in ("n", "mean", "median", "p90", "max")]
-            rows.append((f"{scenario}, {name}", *whole, f"{found['over']:.1%}", f"{found['height']:.3f}"))
-    return aligned(("", "drops", "mean", "median", "90 %", "longest", "> 500", "mean height"), rows)
+            numbers = (found[column] for column in ("n", "mean", "median", "p90", "max", "over", "height"))
+            rows.append((f"{scenario}, {name}", *map(float, numbers)))
+    whole = dict.fromkeys(("drops", "mean", "median", "90 %", "longest"), ".0f")
+    columns = {"": "", **whole, "> 500": ".1%", "mean height": ".3f"}
+    return Sheet("Steps of 0.01 s until dropped blocks lie still", columns, tuple(rows))
 
 
-def _lift_text(samples: Samples) -> str:
-    rows = [
-        (size, f"{samples.mean((LIFT, size, 'steps')).value:.0f}", str(author), str(plain))
-        for size, (author, plain) in LIFT_REFERENCE.items()
-    ]
-    return aligned(("half sizes", "ours", AUTHOR, "a plain port"), rows)
+def _lift(samples: Samples) -> Sheet:
+    rows = tuple(
+        (size, samples.mean((LIFT, size, "steps")).value, *references)
+        for size, references in LIFT_REFERENCE.items()
+    )
+    caption = "Steps until a block, grasped at its centre, hangs still at a height of 20"
+    return Sheet(caption, {"half sizes": "", "ours": ".0f", AUTHOR: "", "a plain port": ""}, rows)
 
 
-def _option_text(samples: Samples) -> str:
-    rows = []
-    for key, references in OPTION_REFERENCE.items():
-        part, policy, measure = key
-        found = samples[key]
-        digits = 0 if measure == "episode_steps" else 2
-        known = ["-" if np.isnan(number) else f"{number:.{digits}f}" for number in references]
-        title = f"{TASK_TITLES[part]}, {policy}: {measure.replace('_', ' ')}"
-        spread = f"{found.std(ddof=1):.{digits}f}" if len(found) > 1 else "-"
-        rows.append((title, str(len(found)), samples.mean(key).text(digits), spread, *known))
-    return aligned(("", "n", "ours", "sd", AUTHOR, "a plain port"), rows)
-
-
-def _total_text(samples: Samples) -> str:
-    rows = []
-    for part, policies in POLICIES.items():
-        for policy in policies:
-            totals = samples[part, policy, "total"]
-            spread = f"{totals.std(ddof=1):.2f}" if len(totals) > 1 else "-"
-            reference = TOTAL_REFERENCE.get(policy, ("-", "-")) if part == TOWERS else ("-", "-")
-            title = f"{TASK_TITLES[part]}, {policy}"
-            rows.append((title, str(len(totals)), Mean.of(totals).text(), spread, *reference))
-    lines = [aligned(("", "n", "ours", "sd", AUTHOR, "a plain port"), rows)]
-    for policy in POLICIES[ARCHES]:
-        stands = samples[ARCHES, policy, "stands"]
-        scores = samples[ARCHES, policy, "total"][stands > 0]
-        lines.append(
-            f"arch, {policy}: {Mean.of(stands).text()} of the episodes end with an arch, "
-            f"of mean score {Mean.of(scores).text(1)}"
+def _options(samples: Samples) -> Sheet:
+    rows = tuple(
+        (
+            f"{TASK_TITLES[part]}, {policy}: {measure.replace('_', ' ')}",
+            *_described(samples[part, policy, measure]),
+            *references,
         )
-    return "\n".join(lines)
+        for (part, policy, measure), references in OPTION_REFERENCE.items()
+    )
+    caption = "Options (95 % interval of the mean; durations in seconds)"
+    return Sheet(caption, _beside(lambda value: ".0f" if value >= 100 else ".2f"), rows)
 
 
-def _color_text(samples: Samples) -> str:
-    titles = ("25 %", "median", "largest", "share <= 30", "RGB: 25 %", "share <= 0.5")
+def _totals(samples: Samples) -> Sheet:
+    rows = tuple(
+        (
+            f"{TASK_TITLES[part]}, {policy}",
+            *_described(samples[part, policy, "total"]),
+            *TOTAL_REFERENCE.get((part, policy), (math.nan, math.nan)),
+        )
+        for part, policies in POLICIES.items()
+        for policy in policies
+    )
+    return Sheet("Totals of an episode (95 % interval of the mean)", _beside(".2f"), rows)
+
+
+def _described(values: NDArray[np.float64]) -> tuple[int, Estimate, float]:
+    """Return the number of values, their mean and their standard deviation."""
+    return len(values), Estimate.of(values), float(values.std(ddof=1)) if len(values) > 1 else math.nan
+
+
+def _beside(form: Format) -> dict[str, Format]:
+    return {"": "", "n": "", **dict.fromkeys(("ours", "sd", AUTHOR, "a plain port"), form)}
+
+
+def _arches(samples: Samples) -> Sheet:
     rows = []
+    for policy in POLICIES[ARCHES]:
+        stands, totals = samples[ARCHES, policy, "stands"], samples[ARCHES, policy, "total"]
+        rows.append((policy, Estimate.of(stands), Estimate.of(totals[stands > 0])))
+    columns = {"": "", "share of episodes": ".2f", "mean score": ".1f"}
+    return Sheet("Episodes that end with an arch", columns, tuple(rows))
+
+
+def _colors(samples: Samples) -> Sheet:
+    titles = ("25 %", "median", "largest", "share <= 30", "RGB: 25 %", "share <= 0.5")
+    rows: list[tuple[Entry, ...]] = []
     for sampling, reference in COLOR_REFERENCE.items():
-        ours = [samples.mean((COLORS, sampling, name)).value for name in reference]
-        for name, numbers in (("ours", ours), ("expected", list(reference.values()))):
-            shown = [f"{number:.1f}" if number > 1 else f"{number:.3f}" for number in numbers]
-            rows.append((f"{sampling}, {name}", *shown))
-    return aligned(("", *titles), rows)
+        ours = (samples.mean((COLORS, sampling, name)).value for name in reference)
+        rows += [(f"{sampling}, ours", *ours), (f"{sampling}, expected", *reference.values())]
+    columns = dict.fromkeys(titles, lambda value: ".1f" if value > 1 else ".3f")
+    return Sheet("Distances of random pairs of colours", {"": "", **columns}, tuple(rows))
 
 
-def _outcome_text(samples: Samples) -> str:
+def _outcomes(samples: Samples) -> Sheet:
     rows = []
     for task in OUTCOME_TASKS:
         decided, labels = samples[OUTCOMES, task, "decided"], samples[OUTCOMES, task, "label"]
-        rows.append((task, str(len(decided)), Mean.of(decided).text(), Mean.of(labels).text()))
-    return aligned(("", "scenes", "decided", "true among these"), rows)
+        rows.append((task, len(decided), Estimate.of(decided), Estimate.of(labels)))
+    columns = {"": "", "scenes": "", "decided": ".2f", "true among these": ".2f"}
+    return Sheet("Outcome tasks: shares of scenes", columns, tuple(rows))
 
 
-def _speed_text(samples: Samples) -> str:
+def _speed(samples: Samples) -> Sheet:
     rows = []
     for policy in samples.measured(SPEED, POLICIES[TOWERS], "milliseconds"):
         milliseconds = samples.mean((SPEED, policy, "milliseconds"))
         steps = samples.mean((SPEED, policy, "steps")).value
-        rate = 1000 * steps / milliseconds.value
-        rows.append((policy, milliseconds.text(1), f"{steps:.0f}", f"{rate:,.0f}"))
-    return aligned(("", "milliseconds", "steps", "steps a second"), rows)
+        rows.append((policy, milliseconds, steps, 1000 * steps / milliseconds.value))
+    columns = {"": "", "milliseconds": ".1f", "steps": ".0f", "steps a second": ",.0f"}
+    return Sheet("CPU time of an episode of high towers, one thread", columns, tuple(rows))
 
 
 def _claims(samples: Samples) -> Iterator[Claim]:
@@ -176,7 +191,7 @@ def _claims(samples: Samples) -> Iterator[Claim]:
     for part, better, worse in _ORDERED:
         gain = samples.mean((part, better, "total")).minus(samples.mean((part, worse, "total")))
         name = f"{TASK_TITLES[part]}, {better} above {worse}: lower end of the 95 % interval"
-        yield Claim(name, gain.value - gain.error, low=0.0)
+        yield Claim(name, gain.low, low=0.0)
     yield from _color_claims(samples)
 
 
@@ -199,3 +214,6 @@ def _color_claims(samples: Samples) -> Iterator[Claim]:
             measured = samples.mean((COLORS, sampling, name)).value
             low, high = reference[name] - SHARE_TOLERANCE, reference[name] + SHARE_TOLERANCE
             yield Claim(f"{sampling}: share with {title}", measured, low=low, high=high)
+
+
+STUDY: Final = Study(*heading(__package__), SETTINGS, SMOKE, compute, summarize, figures, compiles=False)

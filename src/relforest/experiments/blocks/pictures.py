@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from relforest.experiments.blocks.analysis import TASK_TITLES
-from relforest.experiments.blocks.samples import Mean, Samples
+from relforest.experiments.blocks.samples import Samples
 from relforest.experiments.blocks.settings import (
     ARCH_BLOCKS,
     AUTHOR,
@@ -20,7 +19,9 @@ from relforest.experiments.blocks.settings import (
     RANDOM_BLOCKS,
     SETTLE,
     SETTLE_REFERENCE,
+    TASK_TITLES,
 )
+from relforest.experiments.sheets import Estimate
 from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, GREY, INK, MARKERS, ORANGE, PALE, PAPER, mixed, styled
 
@@ -76,7 +77,7 @@ def _options_figure(samples: Samples) -> Figure:
             axes.axhline(row, color=PALE, linewidth=0.6, zorder=0)
             own = samples.mean(key)
             axes.errorbar(
-                own.value, row, xerr=_shown(own.error), fmt="o", color=BLUE, capsize=0, label="ours"
+                own.value, row, xerr=own.spread or 0.0, fmt="o", color=BLUE, capsize=0, label="ours"
             )
             axes.plot(author, row, "o", color=INK, markersize=9, markerfacecolor="none", label=AUTHOR)
             axes.plot(plain, row, "D", color=ORANGE, markersize=6, markerfacecolor="none", label=PLAIN)
@@ -97,10 +98,6 @@ def _named(key: tuple[str, str, str]) -> str:
     part, policy, measure = key
     option = measure.rpartition("_")[0].replace("_", ", ")
     return f"{option}\n({TASK_TITLES[part]}, {policy})"
-
-
-def _shown(error: float) -> float:
-    return 0.0 if np.isnan(error) else error
 
 
 def _totals_figure(samples: Samples) -> Figure:
@@ -130,8 +127,8 @@ def _draw_totals(axes: Axes, column: int, totals: NDArray[np.float64], marker: s
     # Spread by rank, not at random: equal tables give equal pictures.
     places = column + 0.3 * (2 * ((np.arange(len(shown)) * 0.618034) % 1) - 1)
     axes.plot(places, shown, ".", color=mixed(BLUE, 0.35), markersize=2.2, markeredgewidth=0, zorder=1)
-    mean = Mean.of(totals)
-    axes.errorbar(column, mean.value, yerr=_shown(mean.error), fmt=marker, color=ORANGE, capsize=3, zorder=3)
+    mean = Estimate.of(totals)
+    axes.errorbar(column, mean.value, yerr=mean.spread or 0.0, fmt=marker, color=ORANGE, capsize=3, zorder=3)
     axes.annotate(
         f"{mean.value:.1f}" if abs(mean.value) >= 10 else f"{mean.value:.2f}",
         (column, mean.value),

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.concepts.settings import STRICT_ALPHA, THRESHOLDS, TITLES
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.concepts.run import compute
+from relforest.experiments.concepts.settings import SETTINGS, SMOKE, STRICT_ALPHA, THRESHOLDS, TITLES
+from relforest.experiments.headings import heading
+from relforest.experiments.sheets import Passage, Sheet
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, INK, ORANGE, styled
 
 
@@ -53,12 +57,9 @@ class ConceptTrees:
 
 def concept_trees(table: Table) -> Iterator[ConceptTrees]:
     """Yield what belongs together, the strict level next to the source's."""
-    for concept in table.distinct("concept"):
-        own = table.where(concept=concept)
-        for test in own.distinct("test"):
-            there = own.where(test=test)
-            for alpha in np.unique(there.numbers("alpha")).tolist():
-                yield ConceptTrees(str(concept), str(test), alpha, there.where(alpha=alpha))
+    for (concept, test), own in table.groups("concept", "test").items():
+        for alpha in np.unique(own.numbers("alpha")).tolist():
+            yield ConceptTrees(str(concept), str(test), alpha, own.where(alpha=alpha))
 
 
 def summarize(table: Table) -> Findings:
@@ -70,35 +71,31 @@ def summarize(table: Table) -> Findings:
                 TITLES[trees.concept],
                 trees.test,
                 f"{trees.alpha:g}",
-                str(len(trees.rows)),
-                f"{trees.pss.mean():.3f}",
-                f"{trees.pss.min():.3f}",
-                "" if trees.threshold is None else f"{trees.threshold:.2f}",
-                "" if np.isnan(trees.best_ellipse) else f"{trees.best_ellipse:.3f}",
-                f"{trees.rows.numbers('leaves').mean():.1f}",
+                len(trees.rows),
+                float(trees.pss.mean()),
+                float(trees.pss.min()),
+                trees.threshold,
+                None if np.isnan(trees.best_ellipse) else trees.best_ellipse,
+                float(trees.rows.numbers("leaves").mean()),
             )
         )
         if trees.threshold is not None:
             name = f"{TITLES[trees.concept]}, test scenes: {trees.test}: mean PSS"
             claims.append(Claim(name, float(trees.pss.mean()), low=trees.threshold))
-    header = (
-        "concept",
-        "test scenes",
-        "alpha",
-        "trees",
-        "mean PSS",
-        "lowest",
-        "threshold",
-        "ellipse",
-        "leaves",
-    )
-    text = (
+    columns = {
+        **dict.fromkeys(("concept", "test scenes", "alpha", "trees"), ""),
+        "mean PSS": ".3f",
+        "lowest": ".3f",
+        "threshold": ".2f",
+        "ellipse": ".3f",
+        "leaves": ".1f",
+    }
+    caption = (
         "Peirce skill score of SMRF trees on test scenes like the training scenes, and on others\n"
         f"(thresholds are for alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source;\n"
-        "ellipse: what the best single ellipse scores on the same scenes; leaves: mean number)\n\n"
-        + aligned(header, rows)
+        "ellipse: what the best single ellipse scores on the same scenes; leaves: mean number)"
     )
-    return Findings(text + "\n\n" + _told(table), tuple(claims))
+    return Findings("", tuple(claims), (Sheet(caption, columns, tuple(rows)), *_told(table)))
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
@@ -120,7 +117,9 @@ def figures(table: Table) -> Mapping[str, Figure]:
     return {"scores.png": figure}
 
 
-def _told(table: Table) -> str:
-    strict = table.where(alpha=STRICT_ALPHA)
-    first = [strict.where(concept=concept).rows[0] for concept in strict.distinct("concept")]
-    return "\n\n".join(f"Learned for {TITLES[str(row['concept'])]}:\n{row['tree']}" for row in first)
+def _told(table: Table) -> Iterator[Passage]:
+    for (concept,), trees in table.where(alpha=STRICT_ALPHA).groups("concept").items():
+        yield Passage(f"Learned for {TITLES[str(concept)]}:", str(trees.rows[0]["tree"]))
+
+
+STUDY: Final = Study(*heading(__package__), SETTINGS, SMOKE, compute, summarize, figures)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.headings import heading
+from relforest.experiments.keepaway.run import compute
 from relforest.experiments.keepaway.settings import (
     DURATION_BOUNDS,
     DURATIONS,
@@ -20,11 +23,15 @@ from relforest.experiments.keepaway.settings import (
     SEPARATE,
     SERVER,
     SERVER_EVENTS,
+    SETTINGS,
     SHARED,
+    SMOKE,
     SPEED,
     SPEED_BOUNDS,
 )
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.sheets import Entry, Estimate, Format, Sheet, Span
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, GREY, INK, ORANGE, PALE, styled
 
 _BENCHMARK = "3v2"
@@ -32,25 +39,32 @@ _LEARNERS: Mapping[str, tuple[str, str]] = {
     SEPARATE: ("every keeper learns alone", BLUE),
     SHARED: ("all learn from everyone", ORANGE),
 }
-_NORMAL_95 = 1.96
+_NO_PHYSICS = (
+    "One-step physics: not compared with recorded games (set RELFOREST_DATA to a folder that holds "
+    "keepaway-trajectories.npz)"
+)
 
 
 def summarize(table: Table) -> Findings:
     """State everything measured beside what real games gave, and whether it lies where it must."""
-    parts = [
-        _physics_text(table),
-        "Durations of episodes in cycles of 0.1 s (95 % interval of the mean)\n" + _durations_text(table),
-        f"What happens in {_BENCHMARK} games of random keepers\n" + _events_text(table),
-        _learning_text(table),
-        _speed_text(table),
-    ]
+    physics, recorded = (
+        _physics(table),
+        "Recorded steps of the real server outside the bounds of the formulas",
+    )
     claims = (
-        *_physics_claims(table),
+        *(Claim(f"recorded steps outside the bounds, {kind}", float(n), high=0.0) for kind, _, n in physics),
         *_duration_claims(table),
         *_learning_claims(table),
         *_speed_claims(table),
     )
-    return Findings("\n\n".join(parts), claims)
+    sheets = (
+        *([Sheet(recorded, dict.fromkeys(("kind", "steps", "outside"), ""), physics)] if physics else []),
+        _durations(table),
+        _events(table),
+        _learning(table),
+        _speed(table),
+    )
+    return Findings("" if physics else _NO_PHYSICS, claims, sheets)
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
@@ -78,83 +92,60 @@ def curves(table: Table, method: str) -> tuple[NDArray[np.int64], NDArray[np.flo
     return np.array(ends), np.array(values)
 
 
-def _physics_text(table: Table) -> str:
-    counts = _physics(table)
-    if not counts:
-        return (
-            "One-step physics: not compared with recorded games (set RELFOREST_DATA to a folder that holds "
-            "keepaway-trajectories.npz)"
-        )
-    rows = [(kind, f"{steps:.0f}", f"{violations:.0f}") for kind, (steps, violations) in counts.items()]
-    return "Recorded steps of the real server outside the bounds of the formulas\n" + aligned(
-        ("kind", "steps", "outside"), rows
-    )
-
-
-def _physics(table: Table) -> dict[str, tuple[float, float]]:
-    rows = table.where(part=PHYSICS).rows
-    found = {str(row["measure"]): row["value"] for row in rows if row["measure"]}
-    kinds = dict.fromkeys(name.split(":")[0] for name in found)
-    return {
-        kind: (float(found[f"{kind}: steps"] or 0), float(found[f"{kind}: violations"] or 0))
-        for kind in kinds
-    }
+def _physics(table: Table) -> tuple[tuple[str, int, int], ...]:
+    """Return kind, number and violations of the recorded steps; nothing if there is no recording."""
+    found = {str(row["measure"]): int(row["value"] or 0) for row in table.where(part=PHYSICS).rows}
+    kinds = dict.fromkeys(name.partition(":")[0] for name in found if name)
+    return tuple((kind, found[f"{kind}: steps"], found[f"{kind}: violations"]) for kind in kinds)
 
 
 def _played(table: Table) -> Iterator[tuple[str, str]]:
-    rows = table.where(part=DURATIONS).rows
-    yield from dict.fromkeys((str(row["game"]), str(row["condition"])) for row in rows)
+    for game, policy in table.where(part=DURATIONS).groups("game", "condition"):
+        yield str(game), str(policy)
 
 
-def _durations_text(table: Table) -> str:
-    rows = []
+def _durations(table: Table) -> Sheet:
+    rows: list[tuple[Entry, ...]] = []
     for game, policy in _played(table):
-        found = {name: measure(table, DURATIONS, game, policy, name) for name in _COLUMNS}
-        error = _NORMAL_95 * found["sd"] / measure(table, DURATIONS, game, policy, "episodes") ** 0.5
-        quantiles = "/".join(f"{found[name]:.0f}" for name in ("q5", "q25", "q50", "q75", "q95"))
-        mean = f"{found['mean']:.1f} +- {error:.1f}"
-        rows.append((f"{game} {policy}", mean, f"{found['sd']:.1f}", quantiles, f"{found['taken']:.2f}"))
+        found = {name: measure(table, DURATIONS, game, policy, name) for name in _MEASURES}
+        episodes = int(measure(table, DURATIONS, game, policy, "episodes"))
+        mean = Estimate.normal(found.pop("mean"), found["sd"], episodes)
+        rows.append((f"{game} {policy}", mean, *found.values()))
         if game == _BENCHMARK:
-            real = SERVER[policy]
-            quantiles = f"{real['q5']:.0f}/-/{real['q50']:.0f}/-/{real['q95']:.0f}"
-            rows.append(
-                (
-                    "  real server",
-                    f"{real['mean']:.1f}",
-                    f"{real['sd']:.1f}",
-                    quantiles,
-                    f"{real['taken']:.2f}",
-                )
-            )
-    return aligned(("", "mean", "sd", "5/25/50/75/95 %", "taken"), rows)
+            rows.append(("  real server", *(SERVER[policy].get(name) for name in _MEASURES)))
+    quantiles = dict.fromkeys(("5 %", "25 %", "50 %", "75 %", "95 %"), ".0f")
+    caption = "Durations of episodes in cycles of 0.1 s (95 % interval of the mean)"
+    return Sheet(caption, {"": "", "mean": ".1f", "sd": ".1f", **quantiles, "taken": ".2f"}, tuple(rows))
 
 
-_COLUMNS = ("mean", "sd", "q5", "q25", "q50", "q75", "q95", "taken")
+_MEASURES = ("mean", "sd", "q5", "q25", "q50", "q75", "q95", "taken")
 
 
-def _events_text(table: Table) -> str:
-    rows = []
-    for name, title in EVENT_TITLES.items():
-        ours = measure(table, DURATIONS, _BENCHMARK, "random", name)
-        real = SERVER_EVENTS[name]
-        digits = 3 if real < 1 else 2
-        rows.append((title, f"{ours:.{digits}f}", f"{real:.{digits}f}"))
-    return aligned(("", "ours", "real server"), rows)
-
-
-def _learning_text(table: Table) -> str:
-    rows = []
-    found = {method: curves(table, method) for method in _LEARNERS}
-    for place, end in enumerate(found[SEPARATE][0].tolist()):
-        cells = []
-        for _, values in found.values():
-            column = values[:, place]
-            cells.append(f"{column.mean():.1f} ({column.min():.1f} to {column.max():.1f})")
-        rows.append((str(end), *cells))
-    runs = len(found[SEPARATE][1])
-    return f"Mean duration while CMAC Sarsa learns {_BENCHMARK}, {runs} runs (lowest to highest)\n" + aligned(
-        ("until episode", *(title for title, _ in _LEARNERS.values())), rows
+def _events(table: Table) -> Sheet:
+    rows = tuple(
+        (title, measure(table, DURATIONS, _BENCHMARK, "random", name), SERVER_EVENTS[name])
+        for name, title in EVENT_TITLES.items()
     )
+    columns = dict.fromkeys(("ours", "real server"), lambda value: ".3f" if value < 1 else ".2f")
+    return Sheet(f"What happens in {_BENCHMARK} games of random keepers", {"": "", **columns}, rows)
+
+
+def _learning(table: Table) -> Sheet:
+    found = [(title, *curves(table, method)) for method, (title, _) in _LEARNERS.items()]
+    columns: dict[str, Format] = {"until episode": ""}
+    for title, _, _ in found:
+        columns |= {title: ".1f", f"{title}: runs": ".1f"}
+    rows = []
+    for place, end in enumerate(found[0][1].tolist()):
+        row: list[Entry] = [end]
+        for _, _, values in found:
+            column = values[:, place]
+            row += [float(column.mean()), Span(float(column.min()), float(column.max()))]
+        rows.append(tuple(row))
+    caption = (
+        f"Mean duration while CMAC Sarsa learns {_BENCHMARK}, {len(found[0][2])} runs (lowest to highest)"
+    )
+    return Sheet(caption, columns, tuple(rows))
 
 
 def _speeds(table: Table) -> dict[str, dict[str, float]]:
@@ -166,19 +157,12 @@ def _speeds(table: Table) -> dict[str, dict[str, float]]:
     return found
 
 
-def _speed_text(table: Table) -> str:
+def _speed(table: Table) -> Sheet:
     speeds = _speeds(table)
     games = list(next(iter(speeds.values())))
-    rows = [
-        (policy, *(f"{own[game]:,.0f}" if game in own else "" for game in games))
-        for policy, own in speeds.items()
-    ]
-    return "Game cycles per second of CPU time, one core\n" + aligned(("", *games), rows)
-
-
-def _physics_claims(table: Table) -> Iterator[Claim]:
-    for kind, (_, violations) in _physics(table).items():
-        yield Claim(f"recorded steps outside the bounds, {kind}", violations, high=0.0)
+    rows = tuple((policy, *(own.get(game) for game in games)) for policy, own in speeds.items())
+    caption = "Game cycles per second of CPU time, one core"
+    return Sheet(caption, {"": "", **dict.fromkeys(games, ",.0f")}, rows)
 
 
 def _duration_claims(table: Table) -> Iterator[Claim]:
@@ -212,7 +196,7 @@ def _durations_figure(table: Table) -> Figure:
     axes = figure.add_subplot()
     labels: list[str] = []
     for game, policy in _played(table):
-        found = {name: measure(table, DURATIONS, game, policy, name) for name in _COLUMNS}
+        found = {name: measure(table, DURATIONS, game, policy, name) for name in _MEASURES}
         _draw_spread(axes, len(labels), found, BLUE)
         labels.append(f"{game} {policy}")
         if game == _BENCHMARK:
@@ -271,3 +255,6 @@ def _speed_figure(table: Table) -> Figure:
     axes.set_ylabel("game cycles per CPU second")
     axes.legend(loc="center right")
     return figure
+
+
+STUDY: Final = Study(*heading(__package__), SETTINGS, SMOKE, compute, summarize, figures)

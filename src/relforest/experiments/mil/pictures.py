@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
@@ -9,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from relforest.experiments.mil.cells import Result, Results
 from relforest.experiments.mil.data import DATA_SETS
 from relforest.experiments.mil.methods import COVAGG, IMPROVED, METHODS
-from relforest.experiments.mil.published import SCORES, TIMES, Published
+from relforest.experiments.mil.published import SCORES, TIMES
+from relforest.experiments.mil.results import Result, Results
 from relforest.experiments.mil.settings import SETTINGS
+from relforest.experiments.sheets import Estimate
 from relforest.experiments.table import Table
 from relforest.metrics import Moments
 from relforest.reports.style import BLUE, GREY, INK, ORANGE, PALE, PAPER, styled
@@ -55,7 +57,7 @@ def _figure(
     results: Results,
     methods: Sequence[str],
     moments_of: Callable[[Result], Moments | None],
-    published: Mapping[tuple[str, str], Published],
+    published: Mapping[tuple[str, str], Estimate],
     abscissa: str,
 ) -> Figure:
     """Draw a panel per data set, with a row per method that was tried on one of its line of panels."""
@@ -92,13 +94,13 @@ def _labels(methods: Sequence[str]) -> list[str]:
     return [METHODS[name].title for name in methods]
 
 
-def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Published | None) -> None:
+def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Estimate | None) -> None:
     """Draw our mean with its interval, and the source's below it with hollow marks."""
-    if source is not None and source.mean is not None:
+    if source is not None and not math.isnan(source.value):
         place = row + _BELOW
-        half = source.half_width or 0.0
-        axes.plot((source.mean - half, source.mean + half), (place, place), "-", color=GREY, linewidth=0.9)
-        axes.plot(source.mean, place, "o", color=GREY, markerfacecolor=PAPER, markersize=3.6)
+        half = source.spread or 0.0
+        axes.plot((source.value - half, source.value + half), (place, place), "-", color=GREY, linewidth=0.9)
+        axes.plot(source.value, place, "o", color=GREY, markerfacecolor=PAPER, markersize=3.6)
     if ours is not None:
         interval = ours.interval()
         color, place = _COLORS.get(method, INK), row - _BELOW / 2
