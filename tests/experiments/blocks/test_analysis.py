@@ -7,7 +7,6 @@ import pytest
 
 from relforest.experiments.blocks.analysis import settle_numbers, summarize
 from relforest.experiments.blocks.pictures import figures
-from relforest.experiments.blocks.samples import Samples
 from relforest.experiments.blocks.settings import (
     ARCHES,
     BALANCE,
@@ -26,6 +25,7 @@ from relforest.experiments.blocks.settings import (
     SPEED,
     TOWERS,
 )
+from relforest.experiments.samples import Samples
 from relforest.experiments.table import Row, Table
 
 
@@ -68,7 +68,8 @@ def table(*, gain: float = 1.0) -> Table:
 
 def test_settling_is_summed_up() -> None:
     samples = Samples.of(
-        Table.of(rows(SETTLE, "x", "steps", [100, 200, 600, 300]) + rows(SETTLE, "x", "height", [1, 2]))
+        Table.of(rows(SETTLE, "x", "steps", [100, 200, 600, 300]) + rows(SETTLE, "x", "height", [1, 2])),
+        *("part", "condition", "measure"),
     )
 
     found = settle_numbers(samples, "x")

@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from relforest.experiments.keepaway.analysis import curves, figures, measure, summarize
+from relforest.experiments.keepaway.analysis import curves, figures, summarize
 from relforest.experiments.keepaway.settings import EVENT_TITLES
+from relforest.experiments.samples import Samples
 from relforest.experiments.table import Row, Table
 
 
@@ -39,10 +40,10 @@ RECORDED = [row("physics", "", "kick: steps", 620.0), row("physics", "", "kick: 
 TABLE = Table.of([row("physics", "", "", None), *ROWS])
 
 
-def test_numbers_are_found_by_name() -> None:
-    assert measure(TABLE, "durations", "3v2", "hand", "mean") == 150.0
-    assert np.isnan(measure(TABLE, "durations", "3v2", "hand", "unheard of"))
-    ends, values = curves(TABLE, "cmac-sarsa")
+def test_curves_have_a_row_per_run() -> None:
+    samples = Samples.of(TABLE, "part", "game", "condition", "measure")
+    ends, values = curves(samples, "cmac-sarsa")
+
     assert ends.tolist() == [1000, 2000, 5000, 6000]
     np.testing.assert_array_equal(values, [[70, 95, 120, 130], [74, 99, 140, 150]])
 

@@ -4,7 +4,7 @@ import pytest
 
 from experiments.mil.results import around, results_of, rows
 from relforest.experiments.claims import Claim
-from relforest.experiments.mil import bounds
+from relforest.experiments.mil import settings
 from relforest.experiments.mil.bounds import exceptions, verdicts
 from relforest.experiments.mil.data import COMPARED, HELD_OUT
 from relforest.experiments.mil.methods import IMPROVED, METHODS, PEERS
@@ -63,7 +63,7 @@ def test_color_is_compared_with_nothing() -> None:
 
 
 def test_peers_are_near_the_source_or_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bounds, "EXPLAINED", {("covariant1", "miles"): "another implementation"})
+    monkeypatch.setattr(settings, "EXPLAINED", {("covariant1", "miles"): "another implementation"})
     results = results_of(
         rows("covariant2", "optimal-ball", pss=around(0.2)),
         rows("covariant2", "dd", pss=around(0.2)),

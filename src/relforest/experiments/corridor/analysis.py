@@ -11,24 +11,15 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.corridor import settings
 from relforest.experiments.corridor.run import compute
-from relforest.experiments.corridor.settings import (
-    ALPHA,
-    CONDITIONS,
-    OPTIMUM,
-    SETTINGS,
-    SMOKE,
-    SOURCE_LEAVES_P,
-    SOURCE_REWARD_P,
-    THRESHOLDS,
-)
 from relforest.experiments.headings import heading
 from relforest.experiments.sheets import Entry, Estimate, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
 from relforest.reports.learning_figure import leaves_figure, reward_figure
 
-_FAST, _SLOW, _BITS = CONDITIONS
+_FAST, _SLOW, _BITS = settings.CONDITIONS
 
 
 def values(table: Table, condition: str, iteration: int, column: str) -> NDArray[np.float64]:
@@ -64,11 +55,11 @@ def summarize(table: Table) -> Findings:
     """State means and spreads by iteration, the source's comparisons, and the claims."""
     claims = [
         Claim(
-            f"{CONDITIONS[condition]}: mean test reward after iteration {iteration}",
+            f"{settings.CONDITIONS[condition]}: mean test reward after iteration {iteration}",
             float(values(table, condition, iteration, "test_reward").mean()),
             low=threshold,
         )
-        for (condition, iteration), threshold in THRESHOLDS.items()
+        for (condition, iteration), threshold in settings.THRESHOLDS.items()
         if _has(table, condition, iteration)
     ]
     rewards, leaves = (
@@ -76,12 +67,12 @@ def summarize(table: Table) -> Findings:
         for one, other, column in ((_SLOW, _BITS, "test_reward"), (_BITS, _SLOW, "leaves"))
     )
     claims += [
-        Claim("bits only: p of a lower reward than with densities, at the end", rewards, low=ALPHA),
-        Claim("bits only: p of more leaves than with densities, at the end", leaves, high=ALPHA),
+        Claim("bits only: p of a lower reward than with densities, at the end", rewards, low=settings.ALPHA),
+        Claim("bits only: p of more leaves than with densities, at the end", leaves, high=settings.ALPHA),
     ]
     n_runs = len(table.where(condition=_FAST).distinct("run"))
     spread = "mean +- standard deviation across runs"
-    text = f"Corridor: {n_runs} runs per condition ({spread}; optimum {OPTIMUM})"
+    text = f"Corridor: {n_runs} runs per condition ({spread}; optimum {settings.OPTIMUM})"
     tests = tuple(_tests(table, rewards, leaves))
     sheets = (
         _sheet(table, "test_reward", ".2f"),
@@ -96,8 +87,8 @@ def figures(table: Table) -> Mapping[str, Figure]:
     by_episodes = {"500 episodes": _runs(table, _FAST), "10 episodes": _runs(table, _SLOW)}
     by_features = {"densities and bits": _runs(table, _SLOW), "bits only": _runs(table, _BITS)}
     return {
-        "figure-7.2.png": reward_figure(by_episodes, title="corridor", optimum=OPTIMUM),
-        "figure-7.3.png": reward_figure(by_features, title="corridor, 10 episodes", optimum=OPTIMUM),
+        "figure-7.2.png": reward_figure(by_episodes, title="corridor", optimum=settings.OPTIMUM),
+        "figure-7.3.png": reward_figure(by_features, title="corridor, 10 episodes", optimum=settings.OPTIMUM),
         "figure-7.4.png": leaves_figure(by_features, title="corridor, 10 episodes"),
     }
 
@@ -119,21 +110,21 @@ def _sheet(table: Table, column: str, form: str) -> Sheet:
             found = values(table, condition, iteration, column) if _has(table, condition, iteration) else None
             row.append(None if found is None else Estimate(float(found.mean()), float(found.std(ddof=1))))
         rows.append(tuple(row))
-    titles = (CONDITIONS[str(name)] for name in table.distinct("condition"))
+    titles = (settings.CONDITIONS[str(name)] for name in table.distinct("condition"))
     return Sheet(column, {"iteration": "", **dict.fromkeys(titles, form)}, tuple(rows))
 
 
 def _tests(table: Table, rewards: float, leaves: float) -> Iterator[tuple[Entry, ...]]:
-    p_optimum = below_p(values(table, _FAST, -1, "test_reward"), OPTIMUM)
+    p_optimum = below_p(values(table, _FAST, -1, "test_reward"), settings.OPTIMUM)
     first = greater_p(values(table, _FAST, 1, "test_reward"), values(table, _SLOW, 1, "test_reward"))
     end = "10 episodes, at the end"
     yield "500 episodes, at the end: reward below the optimum", p_optimum, "not significant"
     yield "after iteration 1: reward with 500 episodes above that with 10", first, None
-    yield f"{end}: reward of bits below that of densities", rewards, f"< {SOURCE_REWARD_P}"
-    yield f"{end}: leaves of bits above those of densities", leaves, f"< {SOURCE_LEAVES_P}"
-    for condition, title in CONDITIONS.items():
+    yield f"{end}: reward of bits below that of densities", rewards, f"< {settings.SOURCE_REWARD_P}"
+    yield f"{end}: leaves of bits above those of densities", leaves, f"< {settings.SOURCE_LEAVES_P}"
+    for condition, title in settings.CONDITIONS.items():
         before, after = (values(table, condition, iteration, "test_reward") for iteration in (0, -1))
         yield f"{title}: reward at the end above that before", greater_p(after, before), None
 
 
-STUDY: Final = Study(*heading(__package__), SETTINGS, SMOKE, compute, summarize, figures)
+STUDY: Final = Study(*heading(__package__), settings.SETTINGS, settings.SMOKE, compute, summarize, figures)

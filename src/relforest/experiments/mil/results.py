@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relforest.experiments.mil.data import COMPARED, DATA_SETS
 from relforest.experiments.mil.methods import IMPROVED, METHODS
@@ -82,6 +81,11 @@ class Results:
     def methods(self) -> tuple[str, ...]:
         """The methods with results, in the order of the tables."""
         return tuple(name for name in METHODS if any(name == key[1] for key in self.by_cell))
+
+    def mean(self, data_set: str, method: str) -> float:
+        """Return the mean score of a method on a data set; NaN if it was stopped or not chosen."""
+        found = self.get(data_set, method)
+        return float("nan") if found is None or found.skill is None else found.skill.mean
 
     def get(self, data_set: str, method: str) -> Result | None:
         """Return the result of a method on a data set; None if they were not chosen."""
@@ -162,29 +166,16 @@ def means(results: Results, method: str, among: Collection[str] = COMPARED) -> M
         Only of these data sets.
     """
     tried = [name for name in results.data_sets if name in among and results.get(name, method) is not None]
-    own = np.array([_score(results, name, method) for name in tried])
-    other = np.array([_score(results, name, IMPROVED) for name in tried])
+    own, other = (np.array([results.mean(name, one) for name in tried]) for one in (method, IMPROVED))
     finished = ~np.isnan(own)
-    was_tried = all(results.get(name, IMPROVED) is not None for name in tried)
-    # Where it was stopped itself, it has 0 as well.
-    other = np.nan_to_num(other) if was_tried else np.full(len(tried), np.nan)
-    return Mean(
-        len(tried),
-        int((~finished).sum()),
-        _mean(np.nan_to_num(own)),
-        _mean(own[finished]),
-        _mean(other),
-        _mean(other[finished]),
-    )
-
-
-def _mean(values: NDArray[np.float64]) -> float:
-    return float(values.mean()) if len(values) else float("nan")
-
-
-def _score(results: Results, data_set: str, method: str) -> float:
-    found = results.get(data_set, method)
-    return float("nan") if found is None or found.skill is None else found.skill.mean
+    if all(results.get(name, IMPROVED) is not None for name in tried):
+        # Where it was stopped itself, it has 0 as well.
+        other = np.nan_to_num(other)
+    else:
+        other = np.full(len(tried), np.nan)
+    samples = (np.nan_to_num(own), own[finished], other, other[finished])
+    numbers = (float(sample.mean()) if len(sample) else float("nan") for sample in samples)
+    return Mean(len(tried), int((~finished).sum()), *numbers)
 
 
 def _result(rows: Table) -> Result:

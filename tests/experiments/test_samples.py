@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relforest.experiments.blocks.samples import Samples
+from relforest.experiments.samples import Samples
 from relforest.experiments.table import Table
 
 TABLE = Table.of(
@@ -18,11 +18,12 @@ TABLE = Table.of(
 
 
 def test_values_are_grouped_in_the_order_of_the_table() -> None:
-    samples = Samples.of(TABLE)
+    samples = Samples.of(TABLE, "part", "condition", "measure")
 
     np.testing.assert_array_equal(samples["settle", "a", "steps"], [1, 5])
     np.testing.assert_array_equal(samples["settle", "b", "steps"], [2])
     np.testing.assert_array_equal(samples["settle", "a", "height"], [3])
     assert len(samples["lift", "a", "steps"]) == 0
     assert samples.mean(("settle", "a", "steps")).value == 3.0
-    assert samples.measured("settle", ("b", "c", "a"), "steps") == ["b", "a"]
+    assert list(samples.below("settle", "a")) == ["steps", "height"]
+    assert list(samples.below("settle")) == ["a steps", "b steps", "a height"]
