@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from collections.abc import Mapping as ReadOnly
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, final
 
@@ -16,7 +17,7 @@ _PACKAGES: Final = {
 
 
 @final
-class _Studies(Mapping[str, "Study[Any]"]):
+class _Studies(ReadOnly[str, "Study[Any]"]):
     """Studies that are loaded when they are asked for."""
 
     def __getitem__(self, name: str) -> Study[Any]:
@@ -33,5 +34,5 @@ class _Studies(Mapping[str, "Study[Any]"]):
         return len(_PACKAGES)
 
 
-STUDIES: Final[Mapping[str, Study[Any]]] = _Studies()
+STUDIES: Final[ReadOnly[str, Study[Any]]] = _Studies()
 """Name of a study, as the command line has it -> the study."""

@@ -14,6 +14,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from threading import Lock
 from typing import Any, Final, final
 
 from relforest.support.blas import one_blas_thread
@@ -28,9 +29,13 @@ _PEAK: Final = "VmHWM:"
 
 @final
 class LimitedProcess:
-    """A process with one thread for calls that may end it; it ends with this one at the latest."""
+    """A process with one thread for calls that may end it; it ends with this one at the latest.
+
+    Threads may share it: their calls are made one after the other.
+    """
 
     def __init__(self) -> None:
+        self._lock = Lock()
         self._name = ""
         self._worker: Worker | None = None
         self._open = ExitStack()
@@ -60,6 +65,12 @@ class LimitedProcess:
         RelforestError
             If the function fails, or the process ends in any other way than by a limit.
         """
+        with self._lock:
+            return self._called(name, function, arguments)
+
+    def _called(
+        self, name: str, function: Callable[..., Any], arguments: tuple[object, ...]
+    ) -> tuple[Any, int]:
         if self._worker is None or name != self._name:
             self.close()
             self._name = name
@@ -71,7 +82,7 @@ class LimitedProcess:
             peak = max(peak, peak_memory(process.pid))
 
         try:
-            value, peak = self._worker.call(_called, (function, arguments), look)
+            value, peak = self._worker.call(_measured, (function, arguments), look)
         except BaseException as error:
             self.close()
             if process.returncode == -signal.SIGXCPU:
@@ -146,7 +157,7 @@ def peak_memory(process: str | int = "self") -> int:
     return 1024 * sum(int(line.split()[1]) for line in lines if line.startswith(_PEAK))
 
 
-def _called(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, int]:
+def _measured(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, int]:
     signal.signal(signal.SIGXCPU, signal.SIG_DFL)
     # That signal would leave an image of the memory on disk.
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))

@@ -33,24 +33,16 @@ def figures(table: Table) -> Mapping[str, Figure]:
     results = Results.of(table)
     constant = [name for name in results.methods if not METHODS[name].is_tuned]
     with styled():
-        scores = _figure(results, results.methods, _skill, SCORES, "mean Peirce skill score on test bags")
+        caption = "mean Peirce skill score on test bags"
+        scores = _figure(results, results.methods, lambda result: result.skill, SCORES, caption)
         for axes in scores.axes:
             axes.axvline(0, color=PALE, linewidth=0.8, zorder=0)
-        times = _figure(
-            results, constant, _seconds, TIMES, "CPU seconds of training and prediction (|: stopped here)"
-        )
+        caption = "CPU seconds of training and prediction (|: stopped here)"
+        times = _figure(results, constant, lambda result: result.seconds, TIMES, caption)
         for axes in times.axes:
             axes.set_xscale("log")
         _draw_limits(times, results, constant)
     return {"scores.png": scores, "times.png": times}
-
-
-def _skill(result: Result) -> Moments | None:
-    return result.skill
-
-
-def _seconds(result: Result) -> Moments | None:
-    return result.seconds
 
 
 def _figure(
@@ -70,11 +62,12 @@ def _figure(
     figure = Figure(figsize=size, layout="constrained")
     grid = figure.add_gridspec(len(lines), _COLUMNS, height_ratios=heights)
     for line, (data_sets, rows) in enumerate(zip(lines, shown, strict=True)):
+        titles = [METHODS[name].title for name in rows]
         for column, data_set in enumerate(data_sets):
             axes = figure.add_subplot(grid[line, column])
             axes.set_title(DATA_SETS[data_set].title, loc="left")
             axes.set_ylim(len(rows) - 0.4, -0.6)
-            axes.set_yticks(range(len(rows)), _labels(rows) if column == 0 else [""] * len(rows))
+            axes.set_yticks(range(len(rows)), titles if column == 0 else [""] * len(rows))
             axes.tick_params(axis="y", length=0)
             for row, method in enumerate(rows):
                 axes.axhline(row, color=PALE, linewidth=0.4, zorder=0)
@@ -88,10 +81,6 @@ def _figure(
 
 def _tried(results: Results, data_sets: Sequence[str], methods: Sequence[str]) -> list[str]:
     return [name for name in methods if any(results.get(data_set, name) for data_set in data_sets)]
-
-
-def _labels(methods: Sequence[str]) -> list[str]:
-    return [METHODS[name].title for name in methods]
 
 
 def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Estimate | None) -> None:
