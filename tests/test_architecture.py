@@ -20,7 +20,7 @@ LONGEST_FUNCTION = 80
 MOST_PARAMETERS = 8
 VAGUE_NAMES = {"base_utils", "common", "core", "helper", "helpers", "misc", "util", "utils"}
 MAY_OPEN_FILES = {"cli/streams.py", "support/archives.py", "support/files.py", "support/locks.py"}
-MAY_PRINT = {"cli", "experiments"}
+MAY_PRINT = {"cli"}
 OPENING = {"fdopen", "mkstemp", "open", "read_bytes", "read_text", "write_bytes", "write_text"}
 UNSAFE_MODULES = {"cloudpickle", "dill", "marshal", "pickle", "shelve"}
 # Field lists that Python itself keeps immutable or closed.

@@ -24,7 +24,7 @@ FIT = ("--label", "y", "--out", "tree.json")
         (("learn", "corridor", "--out", ""), "--out is empty: give a path"),
         (("learn", "corridor", "--out="), "--out is empty: give a path"),
         (("learn", "corridor", "--out", "a\0b"), r"--out 'a\x00b': a path cannot contain a null character"),
-        (("experiment", "covagg", "--seed", "-1"), "--seed must be an integer of at least 0"),
+        (("experiment", "corridor", "--seed", "-1"), "--seed must be an integer of at least 0"),
         (("play", "arch", "--episodes", "0"), "--episodes must be an integer of at least 1"),
         (("fit", "t.csv", *FIT, "--alpha", "1"), "--alpha must be a number above 0 and below 1"),
         (("fit", "t.csv", *FIT, "--max-points", "0"), "--max-points must be an integer of at least 1"),

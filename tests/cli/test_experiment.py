@@ -34,21 +34,21 @@ def test_studies_are_listed_where_none_is_named(run: CommandLine) -> None:
 
 
 def test_unknown_studies_are_refused_with_those_there_are(run: CommandLine) -> None:
-    outcome = run("experiment", "covag")
+    outcome = run("experiment", "corridr")
 
-    assert (outcome.code, outcome.err) == (2, "relforest: unknown study 'covag': did you mean covagg?\n")
+    assert (outcome.code, outcome.err) == (2, "relforest: unknown study 'corridr': did you mean corridor?\n")
 
 
 def test_a_missed_bound_is_a_failure(run: CommandLine, asked: dict[str, Any], tmp_path: Path) -> None:
-    outcome = run("experiment", "covagg", "--seed", "3", "--jobs", "2", "--out", tmp_path)
+    outcome = run("experiment", "corridor", "--seed", "3", "--jobs", "2", "--out", tmp_path)
 
     assert outcome.code == 1
     assert outcome.out.startswith("a table\n\nClaims\nMISSED a score: 0.5")
-    assert "covagg: 1 of 1 done" in outcome.err
+    assert "corridor: 1 of 1 done" in outcome.err
     assert outcome.err.endswith("relforest: 1 of 2 claims missed\n")
     del asked["on_progress"]
     assert asked == {
-        "study": "covagg",
+        "study": "corridor",
         "out": tmp_path,
         "seed": 3,
         "n_jobs": 2,
@@ -66,10 +66,10 @@ def test_methods_and_data_sets_are_named_with_commas_or_spaces(
 
 
 def test_choices_of_other_studies_are_refused(run: CommandLine, tmp_path: Path) -> None:
-    outcome = run("experiment", "covagg", "--datasets", "musk1", "--out", tmp_path / "out")
+    outcome = run("experiment", "corridor", "--datasets", "musk1", "--out", tmp_path / "out")
 
     assert outcome.code == 1
-    assert "the study covagg does not offer a choice of datasets: omit it" in outcome.err
+    assert "the study corridor does not offer a choice of datasets: omit it" in outcome.err
     assert not (tmp_path / "out").exists()
 
 
@@ -96,7 +96,7 @@ def test_results_go_to_a_folder_of_their_study(
 def test_bad_options_are_one_clear_line(
     run: CommandLine, asked: dict[str, Any], arguments: tuple[str, ...], complaint: str
 ) -> None:
-    outcome = run("experiment", "covagg", *arguments)
+    outcome = run("experiment", "corridor", *arguments)
 
     assert outcome.code == 2
     assert complaint in outcome.err

@@ -16,6 +16,7 @@ def test_every_study_is_registered_by_the_name_of_its_folder() -> None:
 
     assert set(STUDIES) == folders
     assert [study.name for study in STUDIES.values()] == list(STUDIES)
+    assert all(study.question.endswith("?") for study in STUDIES.values())
 
 
 @pytest.mark.parametrize("name", STUDIES)

@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 
-from relforest.experiments.table import Row, Table, aligned
+from relforest.experiments.table import Row, Table
 from relforest.support.errors import InputError
 
 ROWS: list[Row] = [
@@ -33,6 +33,16 @@ def test_rows_are_chosen_by_value_in_their_order() -> None:
     assert table.distinct("set") == ["a", "b"]
 
 
+def test_rows_are_grouped_by_their_values() -> None:
+    table = Table.of(ROWS)
+
+    assert {key: own.cells("pair") for key, own in table.groups("set").items()} == {
+        ("a",): [0, 1],
+        ("b",): [0],
+    }
+    assert list(table.groups("pair", "set")) == [(0, "a"), (0, "b"), (1, "a")]
+
+
 def test_csv_is_read_back_exactly() -> None:
     rows: list[Row] = [{"text": 'says "so",\nthen', "number": 0.1 + 0.2, "count": 3}]
 
@@ -57,9 +67,3 @@ def test_what_a_table_does_not_have_is_named(action: object, message: str) -> No
     assert callable(action)
     with pytest.raises(InputError, match=message):
         action()
-
-
-def test_text_is_aligned_in_columns() -> None:
-    text = aligned(("name", "value"), [("a", "1.50"), ("longer", "10.25")])
-
-    assert text == "name    value\na        1.50\nlonger  10.25"

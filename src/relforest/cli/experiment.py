@@ -27,7 +27,7 @@ class ExperimentOptions:
 
     For example:
       relforest experiment
-      relforest experiment covagg --smoke
+      relforest experiment mil --smoke
       relforest experiment concepts --jobs 2 --out runs/concepts
       relforest experiment mil --methods covagg,dd --datasets musk1
 
@@ -62,19 +62,19 @@ class ExperimentOptions:
 
 def experiment(options: ExperimentOptions) -> int:
     """Run a study; the exit code is 1 if a full study misses a bound, else 0."""
-    from relforest.experiments.questions import QUESTIONS
+    from relforest.experiments.headings import heading
+    from relforest.experiments.registry import STUDIES
 
     if not options.name:
-        width = max(map(len, QUESTIONS))
-        for name, question in QUESTIONS.items():
-            print(f"{name:<{width}}  {question}")
+        width = max(map(len, STUDIES))
+        for name in STUDIES:
+            print(f"{name:<{width}}  {heading(f'relforest.experiments.{name}')[1]}")
         return 0
-    if options.name not in QUESTIONS:
-        raise unknown("study", options.name, QUESTIONS)
+    if options.name not in STUDIES:
+        raise unknown("study", options.name, STUDIES)
 
     from rich.console import Console
 
-    from relforest.experiments.registry import STUDIES
     from relforest.experiments.runner import run_study
 
     study = STUDIES[options.name]
@@ -95,7 +95,7 @@ def experiment(options: ExperimentOptions) -> int:
     print(findings)
     if options.smoke or findings.are_met:
         return 0
-    missed = sum(not claim.is_met for claim in findings.claims)
+    missed = sum(claim.is_missed for claim in findings.claims)
     note(f"relforest: {missed} of {len(findings.claims)} claims missed")
     return 1
 

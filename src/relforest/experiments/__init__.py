@@ -2,7 +2,7 @@
 
 `learn_runs` is ``relforest learn``: it turns a `RunConfig` of one of the `TASKS` into a run folder.
 `run_study` is ``relforest experiment``: it turns one of the `STUDIES` into a folder of rows, findings and
-figures. A study is a package with settings, run, analysis and a README, and an entry in `registry`.
+figures. A study is a package with settings, run, analysis and a README, and a name in `registry`.
 """
 
 from __future__ import annotations

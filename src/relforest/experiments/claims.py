@@ -1,12 +1,15 @@
-"""What a study concludes: numbers next to the bounds that they must keep."""
+"""What a study concludes: tables, and numbers next to the bounds that they must keep."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import final
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, final
+
+from relforest.experiments.sheets import Passage, Sheet
+
+Verdict: TypeAlias = Literal["met", "MISSED", "not claimed"]
 
 
 @final
@@ -21,17 +24,27 @@ class Claim:
     measured : float
     low, high : float
         The bounds, both included.
+    missing : tuple of str
+        What was left out, in words, so that nothing is claimed.
     """
 
     name: str
-    measured: float
+    measured: float = math.nan
     low: float = -math.inf
     high: float = math.inf
+    missing: tuple[str, ...] = ()
 
     @property
-    def is_met(self) -> bool:
+    def verdict(self) -> Verdict:
         """Whether the number lies in its range; NaN does not."""
-        return self.low <= self.measured <= self.high
+        if self.missing:
+            return "not claimed"
+        return "met" if self.low <= self.measured <= self.high else "MISSED"
+
+    @property
+    def is_missed(self) -> bool:
+        """Whether the number does not lie in its range."""
+        return self.verdict == "MISSED"
 
     def __str__(self) -> str:
         """Return the verdict, the name, the number and its bounds."""
@@ -40,79 +53,53 @@ class Claim:
             bounds.append(f"at least {self.low:.4g}")
         if not math.isinf(self.high):
             bounds.append(f"at most {self.high:.4g}")
-        verdict = "met   " if self.is_met else "MISSED"
-        return f"{verdict} {self.name}: {self.measured:.4g} ({' and '.join(bounds)})"
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Unclaimed:
-    """A claim that is not made, because not all that it is about was computed.
-
-    Parameters
-    ----------
-    name : str
-        What would be claimed, in words.
-    missing : tuple of str
-        What was left out, in words.
-    """
-
-    name: str
-    missing: tuple[str, ...]
+        return f"{self.verdict:<6} {self.name}: {self.measured:.4g} ({' and '.join(bounds)})"
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """The result of a study in words.
+    """The result of a study.
 
     Parameters
     ----------
     text : str
-        Tables and remarks.
+        Remarks at the beginning.
     claims : tuple of Claim
-    documents : mapping of str to str
-        Further text files by name, such as tables in Markdown.
-    unclaimed : tuple of Unclaimed
-        Claims of the whole study that cannot be made.
+        Also those that cannot be made.
+    parts : tuple of Sheet and Passage
     """
 
     text: str
     claims: tuple[Claim, ...] = ()
-    documents: Mapping[str, str] = field(default_factory=dict)
-    unclaimed: tuple[Unclaimed, ...] = ()
-
-    @classmethod
-    def of(
-        cls,
-        text: str,
-        verdicts: Iterable[Claim | Unclaimed],
-        documents: Mapping[str, str] = MappingProxyType({}),
-    ) -> Findings:
-        """Sort verdicts into claims that are made and claims that cannot be made."""
-        verdicts = tuple(verdicts)
-        return cls(
-            text,
-            tuple(verdict for verdict in verdicts if isinstance(verdict, Claim)),
-            documents,
-            tuple(verdict for verdict in verdicts if isinstance(verdict, Unclaimed)),
-        )
+    parts: tuple[Sheet | Passage, ...] = ()
 
     @property
     def are_met(self) -> bool:
-        """Whether every claim is met."""
-        return all(claim.is_met for claim in self.claims)
+        """Whether no claim is missed."""
+        return not any(claim.is_missed for claim in self.claims)
+
+    @property
+    def documents(self) -> Mapping[str, str]:
+        """Further files by name: the tables in Markdown."""
+        return (
+            {"tables.md": "\n\n".join(part.to_markdown() for part in self.parts) + "\n"} if self.parts else {}
+        )
 
     def __str__(self) -> str:
-        """Return the text, a line per claim, and a line per reason for which others are not made."""
-        lines = [*map(str, self.claims), *_reasons(self.unclaimed)]
-        return "\n".join([self.text, "", "Claims", *lines]) if lines else self.text
+        """Return remarks, tables, a line per claim, and one per reason for which others are not made."""
+        blocks = [self.text, *(part.to_text() for part in self.parts)]
+        if self.claims:
+            made = [str(claim) for claim in self.claims if not claim.missing]
+            blocks.append("\n".join(["Claims", *made, *_reasons(self.claims)]))
+        return "\n\n".join(block for block in blocks if block)
 
 
-def _reasons(unclaimed: Iterable[Unclaimed]) -> Iterator[str]:
+def _reasons(claims: Iterable[Claim]) -> Iterator[str]:
     names: dict[tuple[str, ...], list[str]] = {}
-    for claim in unclaimed:
-        names.setdefault(claim.missing, []).append(claim.name)
+    for claim in claims:
+        if claim.missing:
+            names.setdefault(claim.missing, []).append(claim.name)
     for missing, concerned in names.items():
         verb = "was" if len(missing) == 1 else "were"
         yield f"not claimed, because {', '.join(missing)} {verb} left out: {'; '.join(concerned)}"

@@ -73,6 +73,10 @@ class Obstacle:
     reason: str
 
 
+def _no_figures(_table: Table) -> Mapping[str, Figure]:
+    return {}
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Study(Generic[S]):
@@ -81,9 +85,9 @@ class Study(Generic[S]):
     Parameters
     ----------
     name : str
-        As on the command line.
+        As on the command line: that of its package.
     question : str
-        One sentence.
+        One sentence: the first line of the docstring of its package; see `heading`.
     settings : tuple
         The whole study.
     smoke : tuple
@@ -94,7 +98,7 @@ class Study(Generic[S]):
     summarize : callable
         Turns the table of all rows into findings.
     figures : callable
-        Turns the table into figures by file name.
+        Turns the table into figures by file name; by default none.
     compiles : bool
         Whether settings call kernels in their own process. The kernels are then compiled before several
         processes start, by running the first small setting.
@@ -114,7 +118,7 @@ class Study(Generic[S]):
     smoke: tuple[S, ...]
     compute: Callable[[S, Place], list[Row]]
     summarize: Callable[[Table], Findings]
-    figures: Callable[[Table], Mapping[str, Figure]]
+    figures: Callable[[Table], Mapping[str, Figure]] = _no_figures
     compiles: bool = True
     choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
     obstacles: Callable[[Sequence[S]], Mapping[S, Obstacle]] | None = None

@@ -102,13 +102,28 @@ class Table:
         InputError
             If no row is left, or a column does not exist.
         """
-        kept = [
-            i for i in range(len(self)) if all(self.cells(name)[i] == value for name, value in wanted.items())
-        ]
+        for name in wanted:
+            self.cells(name)
+        kept = tuple(row for row in self.rows if all(row[name] == value for name, value in wanted.items()))
         if not kept:
             described = ", ".join(f"{name} = {value!r}" for name, value in wanted.items())
             raise InputError(f"no row has {described}")
-        return Table(tuple(self.rows[i] for i in kept))
+        return Table(kept)
+
+    def groups(self, *columns: str) -> dict[tuple[Cell, ...], Table]:
+        """Return the rows that have the same values in some columns, by these values.
+
+        Groups are in order of first appearance, and their rows in the order of the table.
+
+        Raises
+        ------
+        InputError
+            If a column does not exist.
+        """
+        grouped: dict[tuple[Cell, ...], list[Mapping[str, Cell]]] = {}
+        for row, *key in zip(self.rows, *map(self.cells, columns), strict=True):
+            grouped.setdefault(tuple(key), []).append(row)
+        return {key: Table(tuple(rows)) for key, rows in grouped.items()}
 
     def to_csv(self) -> str:
         """Return the table as CSV text with a header; floats are written with all their digits."""
@@ -117,29 +132,3 @@ class Table:
         writer.writerow(self.columns)
         writer.writerows(row.values() for row in self.rows)
         return buffer.getvalue()
-
-
-def aligned(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """Lay out cells as text in columns: the first to the left, the others to the right.
-
-    Parameters
-    ----------
-    header : iterable of str
-    rows : iterable of iterable of str
-        As many cells each as the header.
-
-    Returns
-    -------
-    str
-        One line per row, without a newline at the end.
-    """
-    lines = [list(header), *(list(row) for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    text = []
-    for line in lines:
-        first, *others = (
-            cell.ljust(width) if place == 0 else cell.rjust(width)
-            for place, (cell, width) in enumerate(zip(line, widths, strict=True))
-        )
-        text.append("  ".join((first, *others)).rstrip())
-    return "\n".join(text)

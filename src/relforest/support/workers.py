@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, Pipe, wait
@@ -89,12 +89,12 @@ def run_in_processes(
     waiting = iter(enumerate(tasks))
     report("starting processes")
     with _pool(n_workers) as workers:
-        busy: dict[Any, tuple[_Worker, int]] = {}
+        busy: dict[Any, tuple[Worker, int]] = {}
 
-        def give(worker: _Worker, task: tuple[Any, ...]) -> None:
+        def give(worker: Worker, task: tuple[Any, ...]) -> None:
             worker.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
 
-        def occupy(worker: _Worker) -> None:
+        def occupy(worker: Worker) -> None:
             number, task = next(waiting, (-1, ()))
             if number < 0:
                 report_stage(Stage("waiting for the others", source=worker.number))
@@ -173,20 +173,42 @@ class _Failure:
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class _Worker:
-    """A process of the pool, numbered from 1, and the connection to it."""
+class Worker:
+    """A process that runs tasks, its number in a pool, counted from 1, and the connection to it."""
 
     number: int
     process: subprocess.Popen[bytes]
     connection: Connection
 
+    def call(self, function: Callable[..., Any], task: tuple[Any, ...], look: Callable[[], object]) -> Any:  # noqa: ANN401
+        """Return ``function(*task)``, and call `look` several times a second until then.
+
+        Raises
+        ------
+        RelforestError
+            If the process dies.
+        """
+        self.give(wrap_non_picklable_objects((function, task), keep_wrapper=False))
+        while True:
+            while not self.connection.poll(_SECONDS_BETWEEN_REPORTS):
+                look()
+            message = self.take()
+            if isinstance(message, _Report):
+                report_stage(message.stage)
+            elif isinstance(message, _Failure):
+                raise message.error
+            else:
+                return message.value
+
     def give(self, message: object) -> None:
+        """Send a function with its arguments."""
         try:
             self.connection.send(message)
         except ConnectionError:
             raise self._lost() from None
 
     def take(self) -> _Report | _Result | _Failure:
+        """Wait for what the process sends next."""
         try:
             message: _Report | _Result | _Failure = self.connection.recv()
         except (EOFError, ConnectionError):
@@ -201,9 +223,9 @@ class _Worker:
 
 
 @contextmanager
-def _pool(count: int) -> Iterator[list[_Worker]]:
+def _pool(count: int) -> Iterator[list[Worker]]:
     with ExitStack() as stack:
-        workers = [stack.enter_context(_worker(number)) for number in range(1, count + 1)]
+        workers = [stack.enter_context(new_worker(number)) for number in range(1, count + 1)]
         yield workers
         # Closing the connections ends all processes at the same time.
         for worker in workers:
@@ -214,13 +236,28 @@ def _pool(count: int) -> Iterator[list[_Worker]]:
 
 
 @contextmanager
-def _worker(number: int) -> Iterator[_Worker]:
+def new_worker(number: int = 1, environment: Mapping[str, str] | None = None) -> Iterator[Worker]:
+    """Start a process that runs tasks until the ``with`` block ends.
+
+    Parameters
+    ----------
+    number : int
+        Its number in a pool.
+    environment : mapping, optional
+        Its environment variables; by default those of this process.
+    """
     ours, theirs = Pipe()
     with ours, theirs:
-        process = start(_SERVE, [str(theirs.fileno())], pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL)
+        process = start(
+            _SERVE,
+            [str(theirs.fileno())],
+            pass_fds=[theirs.fileno()],
+            stdin=subprocess.DEVNULL,
+            env=environment,
+        )
         theirs.close()
         try:
-            worker = _Worker(number, process, ours)
+            worker = Worker(number, process, ours)
             worker.give(sys.path)
             yield worker
         finally:

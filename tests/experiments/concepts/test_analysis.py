@@ -49,11 +49,11 @@ def test_means_are_compared_with_the_thresholds_that_exist() -> None:
 
     # Between: (.95 + .87) / 2 = .91 >= .9; yellow: .8 < .85; none for a crowd, none at .05.
     assert [round(claim.measured, 12) for claim in claims] == [0.91, 0.8]
-    assert [(claim.low, claim.is_met) for claim in claims] == [(0.9, True), (0.85, False)]
+    assert [(claim.low, claim.is_missed) for claim in claims] == [(0.9, False), (0.85, True)]
 
 
 def test_one_tree_of_each_concept_is_told() -> None:
-    text = summarize(TABLE).text
+    text = str(summarize(TABLE))
 
     assert "Learned for an object between A and B:\ntree 0 of between" in text
     assert "tree 0 of yellow" in text

@@ -72,12 +72,12 @@ def test_claims_are_made_where_the_table_reaches() -> None:
     assert third.measured == pytest.approx(8.7)
     # There is no iteration 5 with 10 episodes here.
     assert len(claims) == 4
-    assert claims["bits only: p of more leaves than with densities, at the end"].is_met
-    assert claims["bits only: p of a lower reward than with densities, at the end"].is_met
+    assert claims["bits only: p of more leaves than with densities, at the end"].verdict == "met"
+    assert claims["bits only: p of a lower reward than with densities, at the end"].verdict == "met"
 
 
 def test_the_summary_has_means_deviations_and_tests() -> None:
-    text = summarize(TABLE).text
+    text = str(summarize(TABLE))
 
     # sd of 8.6 and 8.5: .0707
     assert "8.55 +- 0.07" in text

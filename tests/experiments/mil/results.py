@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from relforest.experiments.mil.cells import Results
-from relforest.experiments.mil.steps import DONE, STOPPED
+from relforest.experiments.mil.results import Results
+from relforest.experiments.mil.settings import DONE, STOPPED
 from relforest.experiments.table import Row, Table
 
 

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import pytest
+
 from experiments.mil.results import around, rows
-from relforest.experiments.mil.analysis import summarize
+from relforest.experiments.mil.analysis import seconds_format, summarize
 from relforest.experiments.table import Table
 
 TABLE = Table.of(
@@ -17,7 +19,7 @@ TABLE = Table.of(
 
 
 def test_every_table_has_ours_and_the_sources_numbers() -> None:
-    lines = summarize(TABLE).text.splitlines()
+    lines = str(summarize(TABLE)).splitlines()
 
     def cells(begin: str, count: int = 2) -> list[str]:
         at = lines.index(begin)
@@ -64,9 +66,9 @@ def test_the_tables_are_written_as_markdown_too() -> None:
 
 
 def test_one_cell_is_enough() -> None:
-    assert "Musk 1" in summarize(Table.of(rows("musk1", "miles", pss=[0.5, 0.6]))).text
-    assert "Musk 1" in summarize(Table.of(rows("musk1", "miles", pss=[None]))).text
-    assert "Color" in summarize(Table.of(rows("color", "miles-tuned", pss=[0.5, 0.6]))).text
+    assert "Musk 1" in str(summarize(Table.of(rows("musk1", "miles", pss=[0.5, 0.6]))))
+    assert "Musk 1" in str(summarize(Table.of(rows("musk1", "miles", pss=[None]))))
+    assert "Color" in str(summarize(Table.of(rows("color", "miles-tuned", pss=[0.5, 0.6]))))
 
 
 def test_claims_that_cannot_be_made_are_told() -> None:
@@ -76,8 +78,32 @@ def test_claims_that_cannot_be_made_are_told() -> None:
 
     assert untold[0].startswith(
         "not claimed, because Covariant 2 was left out: Covariant 2: CovAgg not significantly different from "
-        "the source's, p; Covariant 2, OptBall: difference from the source; "
+        "the source's, p; "
     )
+    assert "; Covariant 2, OptBall: difference from the source; " in untold[0]
     assert lines.index(untold[0]) > lines.index("Claims")
     assert len(set(reasons)) == len(reasons)
     assert sum("lead of committee" in line for line in untold) == 2
+
+
+@pytest.mark.parametrize(
+    ("seconds", "form"),
+    [
+        (1358, ".0f"),
+        (36.0, ".1f"),
+        (10.2, ".1f"),
+        (4.21, ".2f"),
+        (0.47, ".2f"),
+        (0.047, ".3f"),
+        (1e-7, ".4f"),
+        (0, ".2f"),
+    ],
+)
+def test_times_have_as_many_digits_as_in_the_source(seconds: float, form: str) -> None:
+    assert seconds_format(seconds) == form
+
+
+def test_known_differences_are_told_with_the_reason() -> None:
+    table = Table.of(rows("covariant1", "em-dd", pss=around(0.47)))
+
+    assert "Covariant 1, EM-DD  0.47    0.38  the source's program itself" in str(summarize(table))

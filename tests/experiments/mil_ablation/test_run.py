@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,10 +19,6 @@ from relforest.experiments.mil_ablation.settings import (
 from relforest.experiments.registry import STUDIES
 from relforest.experiments.study import Place, chosen_settings
 from relforest.support.rng import generator, seed_sequence
-
-
-def test_every_data_set_but_musk_is_drawn() -> None:
-    assert set(run.GENERATORS) | {"musk1"} == set(TITLES)
 
 
 def test_rows_are_repeatable(tmp_path: Path) -> None:
@@ -85,12 +82,15 @@ def test_a_missing_musk_is_an_obstacle_and_the_others_are_not(
     assert obstacles(SETTINGS[:3]) == {}
 
 
-def test_data_sets_can_be_chosen() -> None:
-    chosen = chosen_settings(STUDIES["mil_ablation"], SETTINGS, {"datasets": ["rare", "musk1"]})
-
-    assert [SETTINGS[index].data_set for index in chosen] == ["rare", "musk1"]
-
-
-def test_every_variant_can_be_made() -> None:
-    for variant in VARIANTS:
-        assert hasattr(run.learner(variant, seed_sequence(0)), "fit")
+def test_every_data_set_can_be_chosen_and_learned_by_every_variant(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run, "fetch_musk1", lambda: three_parts(generator(seed_sequence(0)), 40))
+    for name in TITLES:
+        (index,) = chosen_settings(STUDIES["mil_ablation"], SETTINGS, {"datasets": [name]})
+        (split,) = run.splits(replace(SETTINGS[index], draws=1, n_bags=12), Place(0, index, tmp_path))
+        assert len(split.train.bags) == (36 if name == "musk1" else 12)
+    for variant, options in VARIANTS.items():
+        parameters = run.learner(variant, seed_sequence(0)).get_params()
+        assert {name: parameters[name] for name in options or ()} == (options or {})
+        assert ("panels" in parameters) == (variant != PUBLISHED)

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from relforest.experiments.resume.analysis import figures, summarize
+from relforest.experiments.resume.analysis import summarize
 from relforest.experiments.table import Row, Table
 
 
@@ -28,14 +28,10 @@ TABLE = Table.of(
 def test_no_file_may_differ_and_no_process_survive() -> None:
     findings = summarize(TABLE)
 
-    assert [(claim.measured, claim.is_met) for claim in findings.claims] == [
-        *((0.0, True), (1.0, False)),
-        *((1.0, False), (1.0, False)),
+    assert [(claim.measured, claim.verdict) for claim in findings.claims] == [
+        *((0.0, "met"), (1.0, "MISSED")),
+        *((1.0, "MISSED"), (1.0, "MISSED")),
     ]
-    assert "NO: metrics.jsonl trees/0001-left-1.json" in findings.text
-    lines = [line.split() for line in findings.text.splitlines()]
+    assert "no  metrics.jsonl trees/0001-left-1.json" in str(findings)
+    lines = [line.split() for line in str(findings).splitlines()]
     assert ["0.250", "1.50", "SIGKILL", "to", "the", "first", "yes", "1", "2", "12", "yes"] in lines
-
-
-def test_there_is_no_figure() -> None:
-    assert figures(TABLE) == {}

@@ -1,8 +1,8 @@
-"""How well our blocks world matches the author's simulator, how good hand-made policies are, and its speed.
+"""Does our blocks world match the author's, and which policies work?
 
 `settings` lists what is dropped, lifted and played and what the author's simulator gave, `run` makes one
 measurement with the help of `episodes`, `samples` groups the rows of the table, `analysis` turns them into
-findings and `pictures` into figures. The question, the command and the result are in ``README.md``.
+findings and `pictures` into figures. The command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

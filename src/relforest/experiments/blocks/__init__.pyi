@@ -1,6 +1,3 @@
-from .analysis import summarize
-from .pictures import figures
-from .run import compute
-from .settings import SETTINGS, SMOKE
+from .analysis import STUDY
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__all__ = ["STUDY"]

@@ -15,14 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from relforest.experiments.blocks.settings import (
-    GROUPS,
-    MANUAL,
-    MANUAL_RGB,
-    RANDOM,
-    RANDOM_RGB,
-    TOWERS,
-)
+from relforest.experiments.blocks import settings
 from relforest.support.rng import generator, stream
 from relforest.worlds.blocks.command import Command
 from relforest.worlds.blocks.env import BlocksEnv, arch_env, color_grouping_env, high_towers_env
@@ -37,16 +30,16 @@ _WORLD, _POLICY = 0, 1
 _NEAR: Final = 2.0
 
 # Condition -> the policy's own name.
-_NAMES: Final = MappingProxyType({RANDOM_RGB: RANDOM, MANUAL_RGB: MANUAL})
+_NAMES: Final = MappingProxyType({settings.RANDOM_RGB: settings.RANDOM, settings.MANUAL_RGB: settings.MANUAL})
 
 
 def world(part: str, condition: str) -> BlocksEnv:
     """Return the environment in which a policy plays: TOWERS, GROUPS or ARCHES."""
-    if part == TOWERS:
+    if part == settings.TOWERS:
         return high_towers_env()
-    if part == GROUPS:
+    if part == settings.GROUPS:
         return color_grouping_env(distance="rgb" if condition in _NAMES else "ciede2000")
-    return arch_env(sampler="test" if condition == RANDOM else "expert")
+    return arch_env(sampler="test" if condition == settings.RANDOM else "expert")
 
 
 def play(env: BlocksEnv, condition: str, seed: np.random.SeedSequence) -> Measures:

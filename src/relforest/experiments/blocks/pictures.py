@@ -9,18 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from relforest.experiments.blocks.analysis import TASK_TITLES
-from relforest.experiments.blocks.samples import Mean, Samples
-from relforest.experiments.blocks.settings import (
-    ARCH_BLOCKS,
-    AUTHOR,
-    OPTION_REFERENCE,
-    PLAIN,
-    POLICIES,
-    RANDOM_BLOCKS,
-    SETTLE,
-    SETTLE_REFERENCE,
-)
+from relforest.experiments.blocks import settings
+from relforest.experiments.samples import Samples
+from relforest.experiments.sheets import Estimate
 from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, GREY, INK, MARKERS, ORANGE, PALE, PAPER, mixed, styled
 
@@ -30,7 +21,7 @@ _MOST_DOTS = 1000
 
 def figures(table: Table) -> Mapping[str, Figure]:
     """Draw the steps of drops, the options beside the author's simulator, and the totals of the policies."""
-    samples = Samples.of(table)
+    samples = Samples.of(table, "part", "condition", "measure")
     with styled():
         return {
             "settle.png": _settle_figure(samples),
@@ -41,12 +32,12 @@ def figures(table: Table) -> Mapping[str, Figure]:
 
 def _settle_figure(samples: Samples) -> Figure:
     figure = Figure(figsize=(7.0, 3.0), layout="constrained")
-    for place, scenario in enumerate((RANDOM_BLOCKS, ARCH_BLOCKS)):
+    for place, scenario in enumerate((settings.RANDOM_BLOCKS, settings.ARCH_BLOCKS)):
         axes = figure.add_subplot(1, 2, place + 1)
-        steps = np.sort(samples[SETTLE, scenario, "steps"])
+        steps = np.sort(samples[settings.SETTLE, scenario, "steps"])
         axes.plot(steps, np.arange(1, len(steps) + 1) / len(steps), color=BLUE, label="ours")
-        for name, color, marker, size in ((AUTHOR, INK, "o", 9), (PLAIN, ORANGE, "D", 5)):
-            reference = SETTLE_REFERENCE[scenario, name]
+        for name, color, marker, size in ((settings.AUTHOR, INK, "o", 9), (settings.PLAIN, ORANGE, "D", 5)):
+            reference = settings.SETTLE_REFERENCE[scenario, name]
             steps_known = (reference["median"], reference["p90"], 500)
             shares = (0.5, 0.9, 1 - reference["over"])
             axes.plot(
@@ -66,20 +57,21 @@ def _settle_figure(samples: Samples) -> Figure:
 def _options_figure(samples: Samples) -> Figure:
     figure = Figure(figsize=(7.4, 3.6), layout="constrained")
     shown = {
-        "duration in seconds": [key for key in OPTION_REFERENCE if key[2].endswith("duration")],
-        "share that succeeds": [key for key in OPTION_REFERENCE if key[2].endswith("success")],
+        "duration in seconds": [key for key in settings.OPTION_REFERENCE if key[2].endswith("duration")],
+        "share that succeeds": [key for key in settings.OPTION_REFERENCE if key[2].endswith("success")],
     }
     for place, (title, keys) in enumerate(shown.items()):
         axes = figure.add_subplot(1, 2, place + 1)
         for row, key in enumerate(keys):
-            author, plain = OPTION_REFERENCE[key]
+            author, plain = settings.OPTION_REFERENCE[key]
             axes.axhline(row, color=PALE, linewidth=0.6, zorder=0)
             own = samples.mean(key)
             axes.errorbar(
-                own.value, row, xerr=_shown(own.error), fmt="o", color=BLUE, capsize=0, label="ours"
+                own.value, row, xerr=own.spread or 0.0, fmt="o", color=BLUE, capsize=0, label="ours"
             )
-            axes.plot(author, row, "o", color=INK, markersize=9, markerfacecolor="none", label=AUTHOR)
-            axes.plot(plain, row, "D", color=ORANGE, markersize=6, markerfacecolor="none", label=PLAIN)
+            known = ((author, "o", INK, 9, settings.AUTHOR), (plain, "D", ORANGE, 6, settings.PLAIN))
+            for value, marker, color, size, name in known:
+                axes.plot(value, row, marker, color=color, markersize=size, mfc="none", label=name)
         axes.set_yticks(range(len(keys)), [_named(key) for key in keys])
         axes.set_ylim(len(keys) - 0.5, -0.5)
         axes.set_xlabel(title)
@@ -87,7 +79,7 @@ def _options_figure(samples: Samples) -> Figure:
             axes.set_xlim(left=0)
             handles, labels = axes.get_legend_handles_labels()
             entries = dict(zip(labels, handles, strict=True))
-            shown_names = ("ours", AUTHOR, PLAIN)
+            shown_names = ("ours", settings.AUTHOR, settings.PLAIN)
             shown_handles = [entries[name] for name in shown_names]
             figure.legend(shown_handles, shown_names, loc="outside upper center", ncols=3)
     return figure
@@ -96,19 +88,17 @@ def _options_figure(samples: Samples) -> Figure:
 def _named(key: tuple[str, str, str]) -> str:
     part, policy, measure = key
     option = measure.rpartition("_")[0].replace("_", ", ")
-    return f"{option}\n({TASK_TITLES[part]}, {policy})"
-
-
-def _shown(error: float) -> float:
-    return 0.0 if np.isnan(error) else error
+    return f"{option}\n({settings.TASK_TITLES[part]}, {policy})"
 
 
 def _totals_figure(samples: Samples) -> Figure:
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
-    widths = [1 + len(policies) for policies in POLICIES.values()]
+    widths = [1 + len(policies) for policies in settings.POLICIES.values()]
     grid = figure.add_gridspec(1, len(widths), width_ratios=widths)
     ordinates = ("gain in mean height", "gain in score", "score of the final arch")
-    for place, ((part, policies), ordinate) in enumerate(zip(POLICIES.items(), ordinates, strict=True)):
+    for place, ((part, policies), ordinate) in enumerate(
+        zip(settings.POLICIES.items(), ordinates, strict=True)
+    ):
         axes = figure.add_subplot(grid[place])
         for column, policy in enumerate(policies):
             _draw_totals(axes, column, samples[part, policy, "total"], MARKERS[column])
@@ -116,7 +106,7 @@ def _totals_figure(samples: Samples) -> Figure:
             range(len(policies)), [name.replace(", ", "\n").replace("-", "\n") for name in policies]
         )
         axes.set_xlim(-0.6, len(policies) - 0.4)
-        axes.set_title(TASK_TITLES[part], loc="left")
+        axes.set_title(settings.TASK_TITLES[part], loc="left")
         axes.set_ylabel(ordinate)
         axes.axhline(0, color=PALE, linewidth=0.8, zorder=0)
     return figure
@@ -130,8 +120,8 @@ def _draw_totals(axes: Axes, column: int, totals: NDArray[np.float64], marker: s
     # Spread by rank, not at random: equal tables give equal pictures.
     places = column + 0.3 * (2 * ((np.arange(len(shown)) * 0.618034) % 1) - 1)
     axes.plot(places, shown, ".", color=mixed(BLUE, 0.35), markersize=2.2, markeredgewidth=0, zorder=1)
-    mean = Mean.of(totals)
-    axes.errorbar(column, mean.value, yerr=_shown(mean.error), fmt=marker, color=ORANGE, capsize=3, zorder=3)
+    mean = Estimate.of(totals)
+    axes.errorbar(column, mean.value, yerr=mean.spread or 0.0, fmt=marker, color=ORANGE, capsize=3, zorder=3)
     axes.annotate(
         f"{mean.value:.1f}" if abs(mean.value) >= 10 else f"{mean.value:.2f}",
         (column, mean.value),

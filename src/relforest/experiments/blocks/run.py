@@ -9,24 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.experiments.blocks import settings
 from relforest.experiments.blocks.episodes import Measures, play, world
-from relforest.experiments.blocks.settings import (
-    ARCH_BLOCKS,
-    ARCHES,
-    BALANCE_TASKS,
-    COLORS,
-    GROUPS,
-    LIFT,
-    LIFTS,
-    OPTION_REFERENCE,
-    OUTCOME_TASKS,
-    OUTCOMES,
-    SETTLE,
-    SPEED,
-    TOWERS,
-    UNIFORM_RGB,
-    BlocksSetting,
-)
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.support.progress import report
@@ -43,7 +27,7 @@ _LIFTED: Final = 20.0
 _ALWAYS_KEPT: Final = frozenset({"total", "stands"})
 
 
-def compute(setting: BlocksSetting, place: Place) -> list[Row]:
+def compute(setting: settings.BlocksSetting, place: Place) -> list[Row]:
     """Return a row per number measured; only those of SPEED differ from run to run.
 
     References
@@ -54,10 +38,10 @@ def compute(setting: BlocksSetting, place: Place) -> list[Row]:
     return [{**head, "measure": name, "value": value} for name, value in _PARTS[setting.part](setting, place)]
 
 
-def _settle(setting: BlocksSetting, place: Place) -> Measures:
+def _settle(setting: settings.BlocksSetting, place: Place) -> Measures:
     rng = generator(place.stream)
     sim = BlocksSimulation(rng)
-    is_arch = setting.condition == ARCH_BLOCKS
+    is_arch = setting.condition == settings.ARCH_BLOCKS
     for number in range(setting.count):
         report("drops", number, setting.count)
         first = sim.next_id
@@ -70,9 +54,9 @@ def _settle(setting: BlocksSetting, place: Place) -> Measures:
         yield "height", float(sim.poses[:, 1].mean())
 
 
-def _lift(setting: BlocksSetting, place: Place) -> Measures:
+def _lift(setting: settings.BlocksSetting, place: Place) -> Measures:
     sim = BlocksSimulation(generator(place.stream))
-    half_extents = LIFTS[setting.condition]
+    half_extents = settings.LIFTS[setting.condition]
     sim.place([Block(0, half_extents, (0.0, 0.0, 0.0))], [(0.0, half_extents[1], 0.0)])
     sim.wait_for_rest(_LONGEST)
     sim.grab(0, (0.0, 0.0))
@@ -80,20 +64,20 @@ def _lift(setting: BlocksSetting, place: Place) -> Measures:
     yield "steps", float(steps)
 
 
-def _play(setting: BlocksSetting, place: Place) -> Measures:
+def _play(setting: settings.BlocksSetting, place: Place) -> Measures:
     env = world(setting.part, setting.condition)
     for episode in range(setting.count):
         report("episodes", episode, setting.count)
         for name, value in play(env, setting.condition, stream(place.stream, episode)):
-            if name in _ALWAYS_KEPT or (setting.part, setting.condition, name) in OPTION_REFERENCE:
+            if name in _ALWAYS_KEPT or (setting.part, setting.condition, name) in settings.OPTION_REFERENCE:
                 yield name, value
 
 
-def _colors(setting: BlocksSetting, place: Place) -> Measures:
+def _colors(setting: settings.BlocksSetting, place: Place) -> Measures:
     rng = generator(place.stream)
 
     def draw() -> NDArray[np.float64]:
-        is_uniform = setting.condition == UNIFORM_RGB
+        is_uniform = setting.condition == settings.UNIFORM_RGB
         return rng.random((setting.count, 3)) if is_uniform else random_colors(rng, setting.count)
 
     one, other = draw(), draw()
@@ -106,9 +90,9 @@ def _colors(setting: BlocksSetting, place: Place) -> Measures:
         yield f"{short}_near", float((apart <= distance.middle).mean())
 
 
-def _outcomes(setting: BlocksSetting, place: Place) -> Measures:
-    rng, limits = generator(place.stream), OUTCOME_TASKS[setting.condition]
-    make_trial = balance_trial if setting.condition in BALANCE_TASKS else drop_on_trial
+def _outcomes(setting: settings.BlocksSetting, place: Place) -> Measures:
+    rng, limits = generator(place.stream), settings.OUTCOME_TASKS[setting.condition]
+    make_trial = balance_trial if setting.condition in settings.BALANCE_TASKS else drop_on_trial
     for number in range(setting.count):
         report("trials", number, setting.count)
         outcome = make_trial(rng, limits).outcome
@@ -117,8 +101,8 @@ def _outcomes(setting: BlocksSetting, place: Place) -> Measures:
             yield "label", float(outcome)
 
 
-def _speed(setting: BlocksSetting, place: Place) -> Measures:
-    env = world(TOWERS, setting.condition)
+def _speed(setting: settings.BlocksSetting, place: Place) -> Measures:
+    env = world(settings.TOWERS, setting.condition)
     for episode in range(setting.count + 1):
         report("episodes", episode, setting.count + 1)
         begin = process_time()
@@ -132,13 +116,13 @@ def _speed(setting: BlocksSetting, place: Place) -> Measures:
 
 _PARTS: Final = MappingProxyType(
     {
-        SETTLE: _settle,
-        LIFT: _lift,
-        TOWERS: _play,
-        GROUPS: _play,
-        ARCHES: _play,
-        COLORS: _colors,
-        OUTCOMES: _outcomes,
-        SPEED: _speed,
+        settings.SETTLE: _settle,
+        settings.LIFT: _lift,
+        settings.TOWERS: _play,
+        settings.GROUPS: _play,
+        settings.ARCHES: _play,
+        settings.COLORS: _colors,
+        settings.OUTCOMES: _outcomes,
+        settings.SPEED: _speed,
     }
 )

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, final
 
+from relforest.experiments.sheets import Estimate
+
 SETTLE: Final = "settle"
 LIFT: Final = "lift"
 TOWERS: Final = "towers"
@@ -15,6 +17,8 @@ ARCHES: Final = "arches"
 COLORS: Final = "colors"
 OUTCOMES: Final = "outcomes"
 SPEED: Final = "speed"
+
+TASK_TITLES: Final = MappingProxyType({TOWERS: "high towers", GROUPS: "colour grouping", ARCHES: "arch"})
 
 
 @final
@@ -145,10 +149,13 @@ OPTION_REFERENCE: Final = MappingProxyType(
 """Part, policy and measure -> its mean in the author's simulator and in the plain port; NaN = unknown."""
 
 TOTAL_REFERENCE: Final = MappingProxyType(
-    {RANDOM: ("0.96 +- 0.39", "1.07 +- 0.27"), LARGE_FIRST: ("8.9 +- 1.8", "7.9 +- 1.0")}
-    | {SMALL_FIRST: ("5.4 +- 1.0", "5.5 +- 0.6")}
+    {
+        (TOWERS, RANDOM): (Estimate(0.96, 0.39), Estimate(1.07, 0.27)),
+        (TOWERS, SMALL_FIRST): (Estimate(5.4, 1.0), Estimate(5.5, 0.6)),
+        (TOWERS, LARGE_FIRST): (Estimate(8.9, 1.8), Estimate(7.9, 1.0)),
+    }
 )
-"""Totals of high towers in the author's simulator and in the plain port, with 95 % intervals."""
+"""Totals in the author's simulator and in the plain port, with 95 % intervals."""
 
 COLOR_REFERENCE: Final = MappingProxyType(
     {

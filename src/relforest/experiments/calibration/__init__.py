@@ -1,7 +1,7 @@
-"""How often each test of an expansion accepts a question when there is nothing to learn.
+"""How often does each test accept a question about noise?
 
 `settings` holds the sizes of the scene sets, `run` grows trees on shuffled labels, `analysis` turns the table
-into false-positive rates and a figure. The question, the command and the result are in ``README.md``.
+into false-positive rates and a figure. The command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

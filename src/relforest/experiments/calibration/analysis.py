@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 from matplotlib.figure import Figure
 from scipy import stats
 
-from relforest.experiments.calibration.settings import ALPHA, PERMUTATION
+from relforest.experiments.calibration.run import compute
+from relforest.experiments.calibration.settings import ALPHA, PERMUTATION, SETTINGS, SMOKE
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.headings import heading
+from relforest.experiments.sheets import Sheet, Span
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, INK, ORANGE, PALE, styled
 
 
@@ -47,11 +51,8 @@ class Rate:
 
 def rates(table: Table) -> Iterator[Rate]:
     """Yield the rate of each test at each size."""
-    for test in table.distinct("test"):
-        own = table.where(test=test)
-        for objects in own.distinct("objects"):
-            accepted = own.where(objects=objects).numbers("accepted")
-            yield Rate(str(test), str(objects), len(accepted), int(accepted.sum()))
+    for (test, objects), own in table.groups("test", "objects").items():
+        yield Rate(str(test), str(objects), len(own), int(own.numbers("accepted").sum()))
 
 
 def summarize(table: Table) -> Findings:
@@ -59,29 +60,23 @@ def summarize(table: Table) -> Findings:
 
     The claim is about the permutation test; the likelihood ratio test is only reported.
     """
-    rows, all_rates = [], list(rates(table))
+    all_rates = list(rates(table))
+    rows = []
     for found in all_rates:
         low, high = found.interval
-        rows.append(
-            (
-                found.test,
-                found.objects,
-                str(found.n_sets),
-                str(found.n_accepted),
-                f"{found.rate:.3f}",
-                f"{low:.3f} to {high:.3f}",
-                "yes" if low <= found.rate <= high else "no",
-            )
-        )
-    header = ("test", "objects", "sets", "accepted", "rate", "95 % of a calibrated test", "inside")
-    text = (
+        counts = (found.n_sets, found.n_accepted)
+        is_inside = low <= found.rate <= high
+        rows.append((found.test, found.objects, *counts, found.rate, Span(low, high), is_inside))
+    caption = (
         f"How often a tree grew where labels were shuffled (alpha = {ALPHA} if not stated; sets of "
-        f"{table.cells('scenes')[0]} scenes, one 2-D attribute)\n\n" + aligned(header, rows)
+        f"{table.cells('scenes')[0]} scenes, one 2-D attribute)"
     )
+    titles = ("test", "objects", "sets", "accepted", "rate", "95 % of a calibrated test", "inside")
     *_, claimed = (found for found in all_rates if found.test == PERMUTATION)
     name = f"{claimed.test} test, scenes of {claimed.objects} objects: false-positive rate"
     low, high = claimed.interval
-    return Findings(text, (Claim(name, claimed.rate, low=low, high=high),))
+    sheet = Sheet(caption, dict.fromkeys(titles, ".3f"), tuple(rows))
+    return Findings("", (Claim(name, claimed.rate, low=low, high=high),), (sheet,))
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
@@ -101,3 +96,6 @@ def figures(table: Table) -> Mapping[str, Figure]:
         axes.set_xlim(0, 1)
         axes.set_xlabel("false-positive rate (band: 95 % of a calibrated test)")
     return {"rates.png": figure}
+
+
+STUDY: Final = Study(*heading(__package__), SETTINGS, SMOKE, compute, summarize, figures)

@@ -1,7 +1,7 @@
-"""How well trees, forests and rules recover known relational concepts and carry them over to larger scenes.
+"""Do trees, forests and rules recover known concepts, also in larger scenes?
 
 `settings` holds the concepts and thresholds, `run` learns a model and tests it, `analysis` turns the table
-into findings and a figure. The question, the command and the result are in ``README.md``.
+into findings and a figure. The command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

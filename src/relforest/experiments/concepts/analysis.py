@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.concepts.settings import STRICT_ALPHA, STRICT_TREE, THRESHOLDS, TITLES
-from relforest.experiments.table import Cell, Table, aligned
+from relforest.experiments.concepts.run import compute
+from relforest.experiments.concepts.settings import (
+    SETTINGS,
+    SMOKE,
+    STRICT_ALPHA,
+    STRICT_TREE,
+    THRESHOLDS,
+    TITLES,
+)
+from relforest.experiments.headings import heading
+from relforest.experiments.sheets import Passage, Sheet
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, INK, ORANGE, styled
 
 
@@ -51,12 +62,9 @@ class ConceptModels:
 
 def concept_models(table: Table) -> Iterator[ConceptModels]:
     """Yield what belongs together, the methods next to each other."""
-    for concept in table.distinct("concept"):
-        own = table.where(concept=concept)
-        for test in own.distinct("test"):
-            there = own.where(test=test)
-            for method in there.distinct("method"):
-                yield ConceptModels(str(concept), str(test), str(method), there.where(method=method))
+    for (concept, test), there in table.groups("concept", "test").items():
+        for (method,), own in there.groups("method").items():
+            yield ConceptModels(str(concept), str(test), str(method), own)
 
 
 def summarize(table: Table) -> Findings:
@@ -68,35 +76,31 @@ def summarize(table: Table) -> Findings:
                 TITLES[models.concept],
                 models.test,
                 models.method,
-                str(len(models.rows)),
-                f"{models.pss.mean():.3f}",
-                f"{models.pss.min():.3f}",
-                "" if models.threshold is None else f"{models.threshold:.2f}",
-                "" if np.isnan(models.best_ellipse) else f"{models.best_ellipse:.3f}",
-                f"{models.rows.numbers('leaves').mean():.1f}",
+                len(models.rows),
+                float(models.pss.mean()),
+                float(models.pss.min()),
+                models.threshold,
+                None if np.isnan(models.best_ellipse) else models.best_ellipse,
+                float(models.rows.numbers("leaves").mean()),
             )
         )
         if models.threshold is not None:
             name = f"{TITLES[models.concept]}, test scenes: {models.test}: mean PSS"
             claims.append(Claim(name, float(models.pss.mean()), low=models.threshold))
-    header = (
-        "concept",
-        "test scenes",
-        "method",
-        "models",
-        "mean PSS",
-        "lowest",
-        "threshold",
-        "ellipse",
-        "leaves",
-    )
-    text = (
+    columns = {
+        **dict.fromkeys(("concept", "test scenes", "method", "models"), ""),
+        "mean PSS": ".3f",
+        "lowest": ".3f",
+        "threshold": ".2f",
+        "ellipse": ".3f",
+        "leaves": ".1f",
+    }
+    caption = (
         "Peirce skill score on test scenes like the training scenes, and on others\n"
         f"(thresholds are for trees with alpha = {STRICT_ALPHA:g}; 0.05 is the level of the source;\n"
-        "ellipse: what the best single ellipse scores on the same scenes; leaves: mean number)\n\n"
-        + aligned(header, rows)
+        "ellipse: what the best single ellipse scores on the same scenes; leaves: mean number)"
     )
-    return Findings(text + "\n\n" + _told(table), tuple(claims))
+    return Findings("", tuple(claims), (Sheet(caption, columns, tuple(rows)), *_told(table)))
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
@@ -118,9 +122,10 @@ def figures(table: Table) -> Mapping[str, Figure]:
     return {"scores.png": figure}
 
 
-def _told(table: Table) -> str:
-    first: dict[tuple[Cell, Cell], Cell] = {}
-    for row in table.rows:
-        if row["method"] in {STRICT_TREE, "rules"}:
-            first.setdefault((row["concept"], row["method"]), row["words"])
-    return "\n\n".join(f"Learned for {TITLES[str(concept)]}:\n{said}" for (concept, _), said in first.items())
+def _told(table: Table) -> Iterator[Passage]:
+    for (concept, method), rows in table.groups("concept", "method").items():
+        if method in {STRICT_TREE, "rules"}:
+            yield Passage(f"Learned for {TITLES[str(concept)]}:", str(rows.cells("words")[0]))
+
+
+STUDY: Final = Study(*heading(__package__), SETTINGS, SMOKE, compute, summarize, figures)

@@ -1,7 +1,7 @@
-"""How fast SMRF-RPI learns the corridor, and what densities add (Palmer (2015), section 7.3).
+"""How fast does SMRF-RPI learn, and what do densities add?
 
 `settings` holds the conditions and the rewards to be reached, `run` learns one run, `analysis` turns the
-table into findings and Figures 7.2 to 7.4. The question, the command and the result are in ``README.md``.
+table into findings and Figures 7.2 to 7.4. The command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

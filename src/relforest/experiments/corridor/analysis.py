@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,18 +11,15 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.corridor.settings import (
-    ALPHA,
-    CONDITIONS,
-    OPTIMUM,
-    SOURCE_LEAVES_P,
-    SOURCE_REWARD_P,
-    THRESHOLDS,
-)
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.corridor import settings
+from relforest.experiments.corridor.run import compute, learned
+from relforest.experiments.headings import heading
+from relforest.experiments.sheets import Entry, Estimate, Sheet
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 from relforest.reports.learning_figure import leaves_figure, reward_figure
 
-_FAST, _SLOW, _BITS = CONDITIONS
+_FAST, _SLOW, _BITS = settings.CONDITIONS
 
 
 def values(table: Table, condition: str, iteration: int, column: str) -> NDArray[np.float64]:
@@ -58,11 +55,11 @@ def summarize(table: Table) -> Findings:
     """State means and spreads by iteration, the source's comparisons, and the claims."""
     claims = [
         Claim(
-            f"{CONDITIONS[condition]}: mean test reward after iteration {iteration}",
+            f"{settings.CONDITIONS[condition]}: mean test reward after iteration {iteration}",
             float(values(table, condition, iteration, "test_reward").mean()),
             low=threshold,
         )
-        for (condition, iteration), threshold in THRESHOLDS.items()
+        for (condition, iteration), threshold in settings.THRESHOLDS.items()
         if _has(table, condition, iteration)
     ]
     rewards, leaves = (
@@ -70,17 +67,19 @@ def summarize(table: Table) -> Findings:
         for one, other, column in ((_SLOW, _BITS, "test_reward"), (_BITS, _SLOW, "leaves"))
     )
     claims += [
-        Claim("bits only: p of a lower reward than with densities, at the end", rewards, low=ALPHA),
-        Claim("bits only: p of more leaves than with densities, at the end", leaves, high=ALPHA),
+        Claim("bits only: p of a lower reward than with densities, at the end", rewards, low=settings.ALPHA),
+        Claim("bits only: p of more leaves than with densities, at the end", leaves, high=settings.ALPHA),
     ]
     n_runs = len(table.where(condition=_FAST).distinct("run"))
-    parts = (
-        f"Corridor: {n_runs} runs per condition (mean +- standard deviation across runs; optimum {OPTIMUM})",
-        _table(table, "test_reward", 2),
-        _table(table, "leaves", 1),
-        _comparisons(table, rewards, leaves),
+    spread = "mean +- standard deviation across runs"
+    text = f"Corridor: {n_runs} runs per condition ({spread}; optimum {settings.OPTIMUM})"
+    tests = tuple(_tests(table, rewards, leaves))
+    sheets = (
+        _sheet(table, "test_reward", ".2f"),
+        _sheet(table, "leaves", ".1f"),
+        Sheet("One-tailed t-tests", {"": "", "p": ".2g", "source": ""}, tests),
     )
-    return Findings("\n\n".join(parts), tuple(claims))
+    return Findings(text, tuple(claims), sheets)
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
@@ -88,8 +87,8 @@ def figures(table: Table) -> Mapping[str, Figure]:
     by_episodes = {"500 episodes": _runs(table, _FAST), "10 episodes": _runs(table, _SLOW)}
     by_features = {"densities and bits": _runs(table, _SLOW), "bits only": _runs(table, _BITS)}
     return {
-        "figure-7.2.png": reward_figure(by_episodes, title="corridor", optimum=OPTIMUM),
-        "figure-7.3.png": reward_figure(by_features, title="corridor, 10 episodes", optimum=OPTIMUM),
+        "figure-7.2.png": reward_figure(by_episodes, title="corridor", optimum=settings.OPTIMUM),
+        "figure-7.3.png": reward_figure(by_features, title="corridor, 10 episodes", optimum=settings.OPTIMUM),
         "figure-7.4.png": leaves_figure(by_features, title="corridor, 10 episodes"),
     }
 
@@ -103,40 +102,37 @@ def _runs(table: Table, condition: str) -> list[list[Mapping[str, Any]]]:
     return [list(own.where(run=run).rows) for run in own.distinct("run")]
 
 
-def _table(table: Table, column: str, digits: int) -> str:
-    iterations = [int(number) for number in np.unique(table.numbers("iteration"))]
-    header = ("iteration", *(CONDITIONS[str(name)] for name in table.distinct("condition")))
-    rows = []
-    for iteration in iterations:
-        row = [str(iteration)]
+def _sheet(table: Table, column: str, form: str) -> Sheet:
+    rows: list[tuple[Entry, ...]] = []
+    for iteration in np.unique(table.numbers("iteration")).astype(int).tolist():
+        row: list[Entry] = [iteration]
         for condition in map(str, table.distinct("condition")):
-            if _has(table, condition, iteration):
-                found = values(table, condition, iteration, column)
-                row.append(f"{found.mean():.{digits}f} +- {found.std(ddof=1):.{digits}f}")
-            else:
-                row.append("")
-        rows.append(row)
-    return f"{column}\n" + aligned(header, rows)
+            found = values(table, condition, iteration, column) if _has(table, condition, iteration) else None
+            row.append(None if found is None else Estimate(float(found.mean()), float(found.std(ddof=1))))
+        rows.append(tuple(row))
+    titles = (settings.CONDITIONS[str(name)] for name in table.distinct("condition"))
+    return Sheet(column, {"iteration": "", **dict.fromkeys(titles, form)}, tuple(rows))
 
 
-def _comparisons(table: Table, rewards: float, leaves: float) -> str:
-    p_optimum = below_p(values(table, _FAST, -1, "test_reward"), OPTIMUM)
+def _tests(table: Table, rewards: float, leaves: float) -> Iterator[tuple[Entry, ...]]:
+    p_optimum = below_p(values(table, _FAST, -1, "test_reward"), settings.OPTIMUM)
     first = greater_p(values(table, _FAST, 1, "test_reward"), values(table, _SLOW, 1, "test_reward"))
-    lines = [
-        ("500 episodes, at the end: reward below the optimum", f"{p_optimum:.2g}", "not significant"),
-        ("after iteration 1: reward with 500 episodes above that with 10", f"{first:.2g}", ""),
-        (
-            "10 episodes, at the end: reward of bits below that of densities",
-            f"{rewards:.2g}",
-            f"< {SOURCE_REWARD_P}",
-        ),
-        (
-            "10 episodes, at the end: leaves of bits above those of densities",
-            f"{leaves:.2g}",
-            f"< {SOURCE_LEAVES_P}",
-        ),
-    ]
-    for condition, title in CONDITIONS.items():
+    end = "10 episodes, at the end"
+    yield "500 episodes, at the end: reward below the optimum", p_optimum, "not significant"
+    yield "after iteration 1: reward with 500 episodes above that with 10", first, None
+    yield f"{end}: reward of bits below that of densities", rewards, f"< {settings.SOURCE_REWARD_P}"
+    yield f"{end}: leaves of bits above those of densities", leaves, f"< {settings.SOURCE_LEAVES_P}"
+    for condition, title in settings.CONDITIONS.items():
         before, after = (values(table, condition, iteration, "test_reward") for iteration in (0, -1))
-        lines.append((f"{title}: reward at the end above that before", f"{greater_p(after, before):.2g}", ""))
-    return aligned(("one-tailed t-tests", "p", "source"), lines)
+        yield f"{title}: reward at the end above that before", greater_p(after, before), None
+
+
+STUDY: Final = Study(
+    *heading(__package__),
+    settings.SETTINGS,
+    settings.SMOKE,
+    compute,
+    summarize,
+    figures,
+    learned=learned,
+)

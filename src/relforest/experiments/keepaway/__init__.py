@@ -1,7 +1,7 @@
-"""How well our keepaway matches the RoboCup 2-D server, whether it can be learned as there, and its speed.
+"""Do games and learning match RoboCup 2-D, and how fast are they?
 
 `settings` lists what is played and what real games gave, `trajectories` reads recorded games, `run` makes one
-measurement, `analysis` turns the table into findings and pictures. The question, the command and the result
+measurement, `analysis` turns the table into findings and pictures. The command and the result
 are in ``README.md``.
 """
 

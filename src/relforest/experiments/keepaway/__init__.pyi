@@ -1,5 +1,3 @@
-from .analysis import figures, summarize
-from .run import compute
-from .settings import SETTINGS, SMOKE
+from .analysis import STUDY
 
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__all__ = ["STUDY"]

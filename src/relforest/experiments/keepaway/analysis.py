@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,209 +11,163 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.keepaway.settings import (
-    DURATION_BOUNDS,
-    DURATIONS,
-    EVENT_TITLES,
-    LEARNING,
-    LEARNING_BOUNDS,
-    PHYSICS,
-    SEPARATE,
-    SERVER,
-    SERVER_EVENTS,
-    SHARED,
-    SPEED,
-    SPEED_BOUNDS,
-)
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.headings import heading
+from relforest.experiments.keepaway import settings
+from relforest.experiments.keepaway.run import compute
+from relforest.experiments.keepaway.settings import DURATIONS, LEARNING, PHYSICS, SERVER, SPEED
+from relforest.experiments.samples import Samples
+from relforest.experiments.sheets import Entry, Estimate, Format, Sheet, Span
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, GREY, INK, ORANGE, PALE, styled
 
-_BENCHMARK = "3v2"
-_LEARNERS: Mapping[str, tuple[str, str]] = {
-    SEPARATE: ("every keeper learns alone", BLUE),
-    SHARED: ("all learn from everyone", ORANGE),
+_BENCHMARK: Final = "3v2"
+_LEARNERS: Final[Mapping[str, tuple[str, str]]] = {
+    settings.SEPARATE: ("every keeper learns alone", BLUE),
+    settings.SHARED: ("all learn from everyone", ORANGE),
 }
-_NORMAL_95 = 1.96
+_MEASURES: Final = ("mean", "sd", "q5", "q25", "q50", "q75", "q95", "taken")
+_NO_PHYSICS: Final = (
+    "One-step physics: not compared with recorded games (set RELFOREST_DATA to a folder that holds "
+    "keepaway-trajectories.npz)"
+)
 
 
 def summarize(table: Table) -> Findings:
     """State everything measured beside what real games gave, and whether it lies where it must."""
-    parts = [
-        _physics_text(table),
-        "Durations of episodes in cycles of 0.1 s (95 % interval of the mean)\n" + _durations_text(table),
-        f"What happens in {_BENCHMARK} games of random keepers\n" + _events_text(table),
-        _learning_text(table),
-        _speed_text(table),
-    ]
-    claims = (
-        *_physics_claims(table),
-        *_duration_claims(table),
-        *_learning_claims(table),
-        *_speed_claims(table),
+    samples = _samples(table)
+    sheets = (_durations(samples), _events(samples), _learning(samples), _speed(samples))
+    physics = _physics(samples)
+    recorded = "Recorded steps of the real server outside the bounds of the formulas"
+    columns = dict.fromkeys(("kind", "steps", "outside"), "")
+    return Findings(
+        "" if physics else _NO_PHYSICS,
+        tuple(_claims(samples)),
+        (Sheet(recorded, columns, physics), *sheets) if physics else sheets,
     )
-    return Findings("\n\n".join(parts), claims)
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
     """Draw the durations beside those of real games, the learning curves, and the speeds."""
+    samples = _samples(table)
     with styled():
         return {
-            "durations.png": _durations_figure(table),
-            "learning.png": _learning_figure(table),
-            "speed.png": _speed_figure(table),
+            "durations.png": _durations_figure(samples),
+            "learning.png": _learning_figure(samples),
+            "speed.png": _speed_figure(samples),
         }
 
 
-def measure(table: Table, part: str, game: str, condition: str, name: str) -> float:
-    """Return one number of the table; NaN if it was not measured."""
-    rows = table.where(part=part, game=game, condition=condition)
-    found = [row["value"] for row in rows.rows if row["measure"] == name]
-    return float(found[0]) if found and isinstance(found[0], (int, float)) else float("nan")
-
-
-def curves(table: Table, method: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def curves(samples: Samples, method: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the ends of the blocks of episodes, (blocks,), and the runs' mean durations, (runs, blocks)."""
-    rows = table.where(part=LEARNING, condition=method)
-    ends = [int(str(name)) for name in rows.distinct("measure")]
-    values = [rows.where(run=run).numbers("value") for run in rows.distinct("run")]
-    return np.array(ends), np.array(values)
+    found = samples.below(LEARNING, _BENCHMARK, method)
+    return np.array(list(map(int, found))), np.column_stack(list(found.values()))
 
 
-def _physics_text(table: Table) -> str:
-    counts = _physics(table)
-    if not counts:
-        return (
-            "One-step physics: not compared with recorded games (set RELFOREST_DATA to a folder that holds "
-            "keepaway-trajectories.npz)"
-        )
-    rows = [(kind, f"{steps:.0f}", f"{violations:.0f}") for kind, (steps, violations) in counts.items()]
-    return "Recorded steps of the real server outside the bounds of the formulas\n" + aligned(
-        ("kind", "steps", "outside"), rows
-    )
+def _samples(table: Table) -> Samples:
+    return Samples.of(table, "part", "game", "condition", "measure")
 
 
-def _physics(table: Table) -> dict[str, tuple[float, float]]:
-    rows = table.where(part=PHYSICS).rows
-    found = {str(row["measure"]): row["value"] for row in rows if row["measure"]}
-    kinds = dict.fromkeys(name.split(":")[0] for name in found)
-    return {
-        kind: (float(found[f"{kind}: steps"] or 0), float(found[f"{kind}: violations"] or 0))
-        for kind in kinds
-    }
+def _measured(samples: Samples, game: str, policy: str, name: str) -> float:
+    return samples.mean((DURATIONS, game, policy, name)).value
 
 
-def _played(table: Table) -> Iterator[tuple[str, str]]:
-    rows = table.where(part=DURATIONS).rows
-    yield from dict.fromkeys((str(row["game"]), str(row["condition"])) for row in rows)
+def _physics(samples: Samples) -> tuple[tuple[str, int, int], ...]:
+    """Return kind, number and violations of the recorded steps; nothing if there is no recording."""
+    found = {name: int(value[0]) for name, value in samples.below(PHYSICS, _BENCHMARK, "").items()}
+    kinds = dict.fromkeys(name.partition(":")[0] for name in found)
+    return tuple((kind, found[f"{kind}: steps"], found[f"{kind}: violations"]) for kind in kinds)
 
 
-def _durations_text(table: Table) -> str:
-    rows = []
-    for game, policy in _played(table):
-        found = {name: measure(table, DURATIONS, game, policy, name) for name in _COLUMNS}
-        error = _NORMAL_95 * found["sd"] / measure(table, DURATIONS, game, policy, "episodes") ** 0.5
-        quantiles = "/".join(f"{found[name]:.0f}" for name in ("q5", "q25", "q50", "q75", "q95"))
-        mean = f"{found['mean']:.1f} +- {error:.1f}"
-        rows.append((f"{game} {policy}", mean, f"{found['sd']:.1f}", quantiles, f"{found['taken']:.2f}"))
-        if game == _BENCHMARK:
-            real = SERVER[policy]
-            quantiles = f"{real['q5']:.0f}/-/{real['q50']:.0f}/-/{real['q95']:.0f}"
-            rows.append(
-                (
-                    "  real server",
-                    f"{real['mean']:.1f}",
-                    f"{real['sd']:.1f}",
-                    quantiles,
-                    f"{real['taken']:.2f}",
-                )
-            )
-    return aligned(("", "mean", "sd", "5/25/50/75/95 %", "taken"), rows)
+def _played(samples: Samples) -> Iterator[tuple[str, str, dict[str, float]]]:
+    """Yield the games, the policies, and how long episodes were."""
+    for game, policy in dict.fromkeys(key[1:3] for key in samples.values if key[0] == DURATIONS):
+        yield game, policy, {name: _measured(samples, game, policy, name) for name in _MEASURES}
 
 
-_COLUMNS = ("mean", "sd", "q5", "q25", "q50", "q75", "q95", "taken")
-
-
-def _events_text(table: Table) -> str:
-    rows = []
-    for name, title in EVENT_TITLES.items():
-        ours = measure(table, DURATIONS, _BENCHMARK, "random", name)
-        real = SERVER_EVENTS[name]
-        digits = 3 if real < 1 else 2
-        rows.append((title, f"{ours:.{digits}f}", f"{real:.{digits}f}"))
-    return aligned(("", "ours", "real server"), rows)
-
-
-def _learning_text(table: Table) -> str:
-    rows = []
-    found = {method: curves(table, method) for method in _LEARNERS}
-    for place, end in enumerate(found[SEPARATE][0].tolist()):
-        cells = []
-        for _, values in found.values():
-            column = values[:, place]
-            cells.append(f"{column.mean():.1f} ({column.min():.1f} to {column.max():.1f})")
-        rows.append((str(end), *cells))
-    runs = len(found[SEPARATE][1])
-    return f"Mean duration while CMAC Sarsa learns {_BENCHMARK}, {runs} runs (lowest to highest)\n" + aligned(
-        ("until episode", *(title for title, _ in _LEARNERS.values())), rows
-    )
-
-
-def _speeds(table: Table) -> dict[str, dict[str, float]]:
-    rows = table.where(part=SPEED).rows
+def _speeds(samples: Samples) -> dict[str, dict[str, float]]:
+    """Return for each policy the speed of each game."""
     found: dict[str, dict[str, float]] = {}
-    for row in rows:
-        value = row["value"]
-        found.setdefault(str(row["condition"]), {})[str(row["game"])] = float(value or 0)
+    for part, game, policy, _ in samples.values:
+        if part == SPEED:
+            rate = samples.mean((SPEED, game, policy, "cycles_per_second")).value
+            found.setdefault(policy, {})[game] = rate
     return found
 
 
-def _speed_text(table: Table) -> str:
-    speeds = _speeds(table)
+def _durations(samples: Samples) -> Sheet:
+    rows: list[tuple[Entry, ...]] = []
+    for game, policy, found in _played(samples):
+        episodes = int(_measured(samples, game, policy, "episodes"))
+        mean = Estimate.normal(found.pop("mean"), found["sd"], episodes)
+        rows.append((f"{game} {policy}", mean, *found.values()))
+        if game == _BENCHMARK:
+            rows.append(("  real server", *(SERVER[policy].get(name) for name in _MEASURES)))
+    quantiles = dict.fromkeys(("5 %", "25 %", "50 %", "75 %", "95 %"), ".0f")
+    caption = "Durations of episodes in cycles of 0.1 s (95 % interval of the mean)"
+    return Sheet(caption, {"": "", "mean": ".1f", "sd": ".1f", **quantiles, "taken": ".2f"}, tuple(rows))
+
+
+def _events(samples: Samples) -> Sheet:
+    rows = tuple(
+        (title, _measured(samples, _BENCHMARK, "random", name), settings.SERVER_EVENTS[name])
+        for name, title in settings.EVENT_TITLES.items()
+    )
+    columns = dict.fromkeys(("ours", "real server"), lambda value: ".3f" if value < 1 else ".2f")
+    return Sheet(f"What happens in {_BENCHMARK} games of random keepers", {"": "", **columns}, rows)
+
+
+def _learning(samples: Samples) -> Sheet:
+    found = [(title, *curves(samples, method)) for method, (title, _) in _LEARNERS.items()]
+    columns: dict[str, Format] = {"until episode": ""}
+    for title, _, _ in found:
+        columns |= {title: ".1f", f"{title}: runs": ".1f"}
+    rows = []
+    for place, end in enumerate(found[0][1].tolist()):
+        row: list[Entry] = [end]
+        for _, _, values in found:
+            column = values[:, place]
+            row += [float(column.mean()), Span(float(column.min()), float(column.max()))]
+        rows.append(tuple(row))
+    runs = len(found[0][2])
+    caption = f"Mean duration while CMAC Sarsa learns {_BENCHMARK}, {runs} runs (lowest to highest)"
+    return Sheet(caption, columns, tuple(rows))
+
+
+def _speed(samples: Samples) -> Sheet:
+    speeds = _speeds(samples)
     games = list(next(iter(speeds.values())))
-    rows = [
-        (policy, *(f"{own[game]:,.0f}" if game in own else "" for game in games))
-        for policy, own in speeds.items()
-    ]
-    return "Game cycles per second of CPU time, one core\n" + aligned(("", *games), rows)
+    rows = tuple((policy, *(own.get(game) for game in games)) for policy, own in speeds.items())
+    caption = "Game cycles per second of CPU time, one core"
+    return Sheet(caption, {"": "", **dict.fromkeys(games, ",.0f")}, rows)
 
 
-def _physics_claims(table: Table) -> Iterator[Claim]:
-    for kind, (_, violations) in _physics(table).items():
-        yield Claim(f"recorded steps outside the bounds, {kind}", violations, high=0.0)
-
-
-def _duration_claims(table: Table) -> Iterator[Claim]:
-    for policy, (low, high) in DURATION_BOUNDS.items():
-        mean = measure(table, DURATIONS, _BENCHMARK, policy, "mean")
+def _claims(samples: Samples) -> Iterator[Claim]:
+    for kind, _, violations in _physics(samples):
+        yield Claim(f"recorded steps outside the bounds, {kind}", float(violations), high=0.0)
+    for policy, (low, high) in settings.DURATION_BOUNDS.items():
+        mean = _measured(samples, _BENCHMARK, policy, "mean")
         yield Claim(f"{_BENCHMARK}, {policy}: mean duration", mean, low=low, high=high)
-
-
-def _learning_claims(table: Table) -> Iterator[Claim]:
-    ends, alone = curves(table, SEPARATE)
-    together = curves(table, SHARED)[1]
-    for end, (low, high) in LEARNING_BOUNDS.items():
-        wanted = ends == end if end < max(LEARNING_BOUNDS) else (ends >= end - 1000) & (ends <= end)
+    ends, alone = curves(samples, settings.SEPARATE)
+    for end, (low, high) in settings.LEARNING_BOUNDS.items():
+        wanted = ends == end if end < max(settings.LEARNING_BOUNDS) else (ends >= end - 1000) & (ends <= end)
         if wanted.any():
             mean = float(alone[:, wanted].mean())
             yield Claim(f"CMAC Sarsa, mean duration around episode {end}", mean, low=low, high=high)
     early = ends <= max(1000, int(ends[0]))
-    gain = float(together[:, early].mean() - alone[:, early].mean())
+    gain = float(curves(samples, settings.SHARED)[1][:, early].mean() - alone[:, early].mean())
     yield Claim("gain in mean duration by sharing experience, first 1000 episodes", gain, low=0.0)
-
-
-def _speed_claims(table: Table) -> Iterator[Claim]:
-    for policy, own in _speeds(table).items():
-        for game, low in SPEED_BOUNDS.items():
+    for policy, own in _speeds(samples).items():
+        for game, low in settings.SPEED_BOUNDS.items():
             if game in own:
                 yield Claim(f"{game}, {policy}: game cycles per CPU second", own[game], low=low)
 
 
-def _durations_figure(table: Table) -> Figure:
+def _durations_figure(samples: Samples) -> Figure:
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.add_subplot()
     labels: list[str] = []
-    for game, policy in _played(table):
-        found = {name: measure(table, DURATIONS, game, policy, name) for name in _COLUMNS}
+    for game, policy, found in _played(samples):
         _draw_spread(axes, len(labels), found, BLUE)
         labels.append(f"{game} {policy}")
         if game == _BENCHMARK:
@@ -236,16 +191,15 @@ def _draw_spread(axes: Axes, row: int, found: Mapping[str, float], color: str) -
     axes.plot([found["mean"]], [row], "o", color=color, markersize=5)
 
 
-def _learning_figure(table: Table) -> Figure:
+def _learning_figure(samples: Samples) -> Figure:
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.add_subplot()
     for method, (title, color) in _LEARNERS.items():
-        ends, values = curves(table, method)
+        ends, values = curves(samples, method)
         axes.fill_between(ends, values.min(axis=0), values.max(axis=0), color=color, alpha=0.15, linewidth=0)
         axes.plot(ends, values.mean(axis=0), "-", color=color, label=title)
-    for policy, style in (("hand", "--"), ("random", ":")):
-        mean = measure(table, DURATIONS, _BENCHMARK, policy, "mean")
-        name = {"hand": "hand-coded policy", "random": "random policy"}[policy]
+    for policy, name, style in (("hand", "hand-coded policy", "--"), ("random", "random policy", ":")):
+        mean = _measured(samples, _BENCHMARK, policy, "mean")
         axes.axhline(mean, color=GREY, linewidth=0.9, linestyle=style, label=name)
     axes.set_xlabel("episodes")
     axes.set_ylabel("mean duration in cycles")
@@ -255,19 +209,22 @@ def _learning_figure(table: Table) -> Figure:
     return figure
 
 
-def _speed_figure(table: Table) -> Figure:
+def _speed_figure(samples: Samples) -> Figure:
     figure = Figure(figsize=(6.4, 3.2), layout="constrained")
     axes = figure.add_subplot()
-    for (policy, own), color in zip(_speeds(table).items(), (BLUE, ORANGE), strict=False):
+    speeds = _speeds(samples)
+    for (policy, own), color in zip(speeds.items(), (BLUE, ORANGE), strict=False):
         axes.plot(list(own), list(own.values()), "o-", color=color, label=policy)
-    for game, low in SPEED_BOUNDS.items():
-        if game in next(iter(_speeds(table).values())):
-            axes.plot(
-                [game], [low], "_", color=INK, markersize=16, label="aim" if game == _BENCHMARK else None
-            )
+    for game, low in settings.SPEED_BOUNDS.items():
+        if game in next(iter(speeds.values())):
+            label = "aim" if game == _BENCHMARK else None
+            axes.plot([game], [low], "_", color=INK, markersize=16, label=label)
     axes.axhline(480, color=PALE, linewidth=1.2)
     axes.annotate("real server", (0.0, 480), (0, 3), textcoords="offset points", fontsize=8.0, color=GREY)
     axes.set_yscale("log")
     axes.set_ylabel("game cycles per CPU second")
     axes.legend(loc="center right")
     return figure
+
+
+STUDY: Final = Study(*heading(__package__), settings.SETTINGS, settings.SMOKE, compute, summarize, figures)

@@ -1,10 +1,9 @@
-"""Covariant aggregation beside other multiple-instance methods, on the data sets of Palmer (2015), chapter 3.
+"""How does covariant aggregation compare with other MIL methods?
 
-`data` and `methods` name what is compared, `settings` pairs them and sets the bounds, `published` holds the
-source's tables. `run` turns a data set and a method into rows: `limited` starts a process for them
-(`worker`), which computes the folds (`folds`) as numbered `steps`. `cells` groups the rows of the table,
-`tables` lays them out, `bounds` checks them, and `analysis` and `pictures` put everything together. The
-question, the command and the result are in ``README.md``.
+The data sets are those of Palmer (2015), chapter 3. `data` and `methods` name what is compared, `settings`
+pairs them and sets the bounds, `published` holds the source's tables. `run` learns from a fold in a process
+with limited time. `results` groups the rows of the table, `analysis` lays them out, `bounds` checks them, and
+`pictures` draws them. The command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,3 @@
-from .analysis import summarize
-from .pictures import figures
-from .run import compute, obstacles
-from .settings import CHOICES, SETTINGS, SMOKE
+from .analysis import STUDY
 
-__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "obstacles", "summarize"]
+__all__ = ["STUDY"]

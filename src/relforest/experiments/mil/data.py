@@ -1,15 +1,18 @@
 """The data sets: what each is called, and where its bags come from.
 
-East-West, the fourteenth of the source, is not among them: no copy of it is at hand.
+East-West, the fourteenth of the source, is not among them: no copy of it is at hand. Covariant 1 is there
+twice: the means that Table 3.1 prints for its negatives, (-2, 2) and (2, -2), make an easier problem than the
+one in Table 3.2; means at distance 2 from the origin reproduce the scores of that one.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
-from typing import Final, TypeAlias, final
+from typing import Final, Protocol, TypeAlias, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +86,18 @@ class Standard:
 DataSet: TypeAlias = Synthetic | Standard
 
 
+class _OnData(Protocol):
+    """A setting that uses a data set, of this study or made up for another one."""
+
+    @property
+    def data_set(self) -> str:
+        """Its name."""
+        ...
+
+
+OnData = TypeVar("OnData", bound=_OnData)
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
@@ -92,10 +107,15 @@ class Split:
     test: BagSet
 
 
+PRINTED: Final = "covariant1-printed"
+
 DATA_SETS: Final[Mapping[str, DataSet]] = MappingProxyType(
     {
         "color": Synthetic("Color", 0, lambda rng, n: color(rng, n_bags=n)),
         "covariant1": Synthetic("Covariant 1", 1, lambda rng, n: covariant1(rng, reading="sqrt2", n_bags=n)),
+        PRINTED: Synthetic(
+            "Covariant 1, means as printed", 13, lambda rng, n: covariant1(rng, reading="printed", n_bags=n)
+        ),
         "covariant2": Synthetic("Covariant 2", 2, lambda rng, n: covariant2(rng, n_bags=n)),
         "disjunctive": Synthetic("Disjunctive", 3, lambda rng, n: disjunctive(rng, n_bags=n)),
         "musk1": Standard("Musk 1", 4, fetch_musk1),
@@ -111,8 +131,11 @@ DATA_SETS: Final[Mapping[str, DataSet]] = MappingProxyType(
 )
 """Name on the command line -> data set, in the order of the source's tables."""
 
+COMPARED: Final = tuple(name for name in DATA_SETS if name != PRINTED)
+"""Data sets that all methods are tried on."""
+
 DESIGNED_WITH: Final = ("color", "covariant1", "covariant2", "disjunctive", "musk1")
-HELD_OUT: Final = tuple(name for name in DATA_SETS if name not in DESIGNED_WITH)
+HELD_OUT: Final = tuple(name for name in COMPARED if name not in DESIGNED_WITH)
 """Data sets that played no part in designing the committee.
 
 On the others its score is flattering, as that of the best of several variants. See the ``README.md`` of this
@@ -135,7 +158,9 @@ def splitter(data_set: DataSet, *, seed: int, n_bags: int) -> Callable[[int], Sp
     if isinstance(data_set, Synthetic):
         draws = stream(seed_sequence(seed), _DRAWS, data_set.key)
         return lambda fold: _drawn(data_set, n_bags, stream(draws, fold))
-    return cross_validation(data_set.fetch(), generator(stream(seed_sequence(seed), _FOLDS, data_set.key)))
+    return cross_validation(
+        _fetched(data_set.fetch), generator(stream(seed_sequence(seed), _FOLDS, data_set.key))
+    )
 
 
 def cross_validation(all_bags: BagSet, rng: np.random.Generator) -> Callable[[int], Split]:
@@ -172,20 +197,21 @@ def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Gen
     return parts
 
 
-def absence(name: str) -> Obstacle | None:
-    """Return why a data set cannot be used here and the remedy; None if it can.
-
-    Parameters
-    ----------
-    name : str
-        A key of `DATA_SETS`.
+def obstacles(settings: Sequence[OnData]) -> Mapping[OnData, Obstacle]:
+    """Return those of the settings whose data cannot be used here, with the remedy.
 
     Raises
     ------
     DataError
-        If its file is a wrong one, or cannot be read or downloaded.
+        If a file is a wrong one, or cannot be read or downloaded.
     """
-    data_set = DATA_SETS[name]
+    names = dict.fromkeys(setting.data_set for setting in settings)
+    missing = {name: obstacle for name in names if (obstacle := _absence(name)) is not None}
+    return {setting: missing[setting.data_set] for setting in settings if setting.data_set in missing}
+
+
+def _absence(name: str) -> Obstacle | None:
+    data_set = DATA_SETS.get(name)
     if isinstance(data_set, Standard):
         try:
             data_set.fetch()
@@ -193,6 +219,11 @@ def absence(name: str) -> Obstacle | None:
             # The reason is the same for all data sets, so it is printed once.
             return Obstacle(f"{data_set.title} ({file_name(name.replace('-', '_'))})", _remedy())
     return None
+
+
+@lru_cache(maxsize=1)
+def _fetched(fetch: Callable[[], BagSet]) -> BagSet:
+    return fetch()
 
 
 def _remedy() -> str:

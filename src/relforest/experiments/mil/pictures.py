@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
@@ -9,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from relforest.experiments.mil.cells import Result, Results
 from relforest.experiments.mil.data import DATA_SETS
 from relforest.experiments.mil.methods import COVAGG, IMPROVED, METHODS
-from relforest.experiments.mil.published import SCORES, TIMES, Published
+from relforest.experiments.mil.published import SCORES, TIMES
+from relforest.experiments.mil.results import Result, Results
 from relforest.experiments.mil.settings import SETTINGS
+from relforest.experiments.sheets import Estimate
 from relforest.experiments.table import Table
 from relforest.metrics import Moments
 from relforest.reports.style import BLUE, GREY, INK, ORANGE, PALE, PAPER, styled
@@ -31,31 +33,23 @@ def figures(table: Table) -> Mapping[str, Figure]:
     results = Results.of(table)
     constant = [name for name in results.methods if not METHODS[name].is_tuned]
     with styled():
-        scores = _figure(results, results.methods, _skill, SCORES, "mean Peirce skill score on test bags")
+        caption = "mean Peirce skill score on test bags"
+        scores = _figure(results, results.methods, lambda result: result.skill, SCORES, caption)
         for axes in scores.axes:
             axes.axvline(0, color=PALE, linewidth=0.8, zorder=0)
-        times = _figure(
-            results, constant, _seconds, TIMES, "CPU seconds of training and prediction (|: stopped here)"
-        )
+        caption = "CPU seconds of training and prediction (|: stopped here)"
+        times = _figure(results, constant, lambda result: result.seconds, TIMES, caption)
         for axes in times.axes:
             axes.set_xscale("log")
         _draw_limits(times, results, constant)
     return {"scores.png": scores, "times.png": times}
 
 
-def _skill(result: Result) -> Moments | None:
-    return result.skill
-
-
-def _seconds(result: Result) -> Moments | None:
-    return result.seconds
-
-
 def _figure(
     results: Results,
     methods: Sequence[str],
     moments_of: Callable[[Result], Moments | None],
-    published: Mapping[tuple[str, str], Published],
+    published: Mapping[tuple[str, str], Estimate],
     abscissa: str,
 ) -> Figure:
     """Draw a panel per data set, with a row per method that was tried on one of its line of panels."""
@@ -68,11 +62,12 @@ def _figure(
     figure = Figure(figsize=size, layout="constrained")
     grid = figure.add_gridspec(len(lines), _COLUMNS, height_ratios=heights)
     for line, (data_sets, rows) in enumerate(zip(lines, shown, strict=True)):
+        titles = [METHODS[name].title for name in rows]
         for column, data_set in enumerate(data_sets):
             axes = figure.add_subplot(grid[line, column])
             axes.set_title(DATA_SETS[data_set].title, loc="left")
             axes.set_ylim(len(rows) - 0.4, -0.6)
-            axes.set_yticks(range(len(rows)), _labels(rows) if column == 0 else [""] * len(rows))
+            axes.set_yticks(range(len(rows)), titles if column == 0 else [""] * len(rows))
             axes.tick_params(axis="y", length=0)
             for row, method in enumerate(rows):
                 axes.axhline(row, color=PALE, linewidth=0.4, zorder=0)
@@ -88,17 +83,13 @@ def _tried(results: Results, data_sets: Sequence[str], methods: Sequence[str]) -
     return [name for name in methods if any(results.get(data_set, name) for data_set in data_sets)]
 
 
-def _labels(methods: Sequence[str]) -> list[str]:
-    return [METHODS[name].title for name in methods]
-
-
-def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Published | None) -> None:
+def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Estimate | None) -> None:
     """Draw our mean with its interval, and the source's below it with hollow marks."""
-    if source is not None and source.mean is not None:
+    if source is not None and not math.isnan(source.value):
         place = row + _BELOW
-        half = source.half_width or 0.0
-        axes.plot((source.mean - half, source.mean + half), (place, place), "-", color=GREY, linewidth=0.9)
-        axes.plot(source.mean, place, "o", color=GREY, markerfacecolor=PAPER, markersize=3.6)
+        half = source.spread or 0.0
+        axes.plot((source.value - half, source.value + half), (place, place), "-", color=GREY, linewidth=0.9)
+        axes.plot(source.value, place, "o", color=GREY, markerfacecolor=PAPER, markersize=3.6)
     if ours is not None:
         interval = ours.interval()
         color, place = _COLORS.get(method, INK), row - _BELOW / 2

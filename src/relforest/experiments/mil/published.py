@@ -1,6 +1,8 @@
 """What the source reports: mean scores and times of its methods, as printed in its tables.
 
-The rows of East-West are left out, as no copy of that data set is at hand.
+Means have half the width of their 95 % interval where there was variance, and are NaN where the runs were
+aborted; a mark says that covariant aggregation is significantly more or less than this method. The rows of
+East-West are left out, as no copy of that data set is at hand.
 
 References
 ----------
@@ -9,33 +11,13 @@ Palmer (2015), Tables 3.2 to 3.4.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, final
+from typing import Final
 
-
-@final
-@dataclass(frozen=True, slots=True)
-class Published:
-    """A cell of a table of the source.
-
-    Parameters
-    ----------
-    mean : float or None
-        None where the runs were aborted.
-    half_width : float or None
-        Half the width of the 95 % interval; None where there was no variance.
-    mark : str
-        ``">"`` or ``"<"`` where covariant aggregation differs significantly from this method, being more or
-        less; otherwise empty.
-    """
-
-    mean: float | None
-    half_width: float | None = None
-    mark: str = ""
-
+from relforest.experiments.sheets import Estimate
 
 _TABLE_32: Final = """
 covagg optimal-ball dd em-dd instance-margin-svm bag-margin-svm miles
@@ -83,7 +65,7 @@ _ABORTED: Final = "-"
 _CELL: Final = re.compile(r"([<>]?)(-?\d+(?:\.\d+)?)(?:±(\d+(?:\.\d+)?))?")
 
 
-def _read(*tables: str) -> Mapping[tuple[str, str], Published]:
+def _read(*tables: str) -> Mapping[tuple[str, str], Estimate]:
     cells = {}
     for table in tables:
         header, *lines = table.strip("\n").splitlines()
@@ -94,13 +76,13 @@ def _read(*tables: str) -> Mapping[tuple[str, str], Published]:
     return MappingProxyType(cells)
 
 
-def _cell(text: str) -> Published:
+def _cell(text: str) -> Estimate:
     if text == _ABORTED:
-        return Published(None)
+        return Estimate(math.nan)
     found = _CELL.fullmatch(text)
     if found is None:
         raise AssertionError(text)
-    return Published(float(found[2]), float(found[3]) if found[3] else None, found[1])
+    return Estimate(float(found[2]), float(found[3]) if found[3] else None, found[1])
 
 
 SCORES: Final = _read(_TABLE_32, _TABLE_33)

@@ -1,93 +1,193 @@
-"""A data set and a method -> a row per fold."""
+"""A fold of a data set and a method -> one row."""
 
 from __future__ import annotations
 
+import gc
+import math
+import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any, Final, final
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from typing import Any, Final
 
-from relforest.experiments.mil.data import absence
-from relforest.experiments.mil.folds import prepare_folds, prepare_trials
-from relforest.experiments.mil.grid import best_point, grid_points
-from relforest.experiments.mil.limited import run_job
-from relforest.experiments.mil.settings import MilSetting
-from relforest.experiments.mil.steps import STOPPED, Job, Prepare, Step
-from relforest.experiments.study import Obstacle, Place
-from relforest.experiments.table import Row
+import numpy as np
+from numpy.typing import NDArray
 
-_CELLS: Final = "cells"
+from relforest.experiments.mil.data import DATA_SETS, Split, Synthetic, splitter, tuning_splits
+from relforest.experiments.mil.methods import METHODS, Method, Parameters
+from relforest.experiments.mil.settings import DONE, STOPPED, MilSetting
+from relforest.experiments.study import Place
+from relforest.experiments.table import Cell, Row
+from relforest.metrics import peirce_skill_score
+from relforest.mil.peers import svm_grid
+from relforest.support.errors import InputError
+from relforest.support.limited import LimitedProcess, cpu_limit, cpu_seconds
+from relforest.support.progress import report
+from relforest.support.rng import generator, seed_sequence, stream
+
+# The streams of a seed; those of the data are 0 to 2.
+_LEARNING, _TRIALS = 3, 4
+_SMALL_BAGS: Final = (10, 3)
 _COUNTS: Final = ("n_bags", "n_positive", "n_instances", "n_features")
 
-
-@final
-@dataclass(frozen=True, slots=True)
-class Work:
-    """What the processes of a setting do; tests put in less."""
-
-    folds: Prepare = prepare_folds
-    trials: Prepare = prepare_trials
+_PROCESS: Final = LimitedProcess()
+"""Where learners run: memory and time are theirs alone, and one that never ends does not end the study."""
+_HOPELESS: Final[set[tuple[str, str]]] = set()
+"""Data set and method of which a fold took too long in this process: the others are not tried."""
 
 
 def compute(setting: MilSetting, place: Place) -> list[Row]:
-    """Return a row per fold.
+    """Return one row.
 
-    Its columns are data_set, method, fold, state (``"done"``, or ``"stopped"`` for one that took too long,
-    the last one then), pss, cpu_seconds, peak_bytes, C and gamma_factor (where they were
-    chosen), n_bags, n_positive, n_instances and n_features of training and test set together. Times and
-    memory differ from run to run.
+    Its columns are data_set, method, fold, state (`DONE`, or `STOPPED` for a fold that took too long, or of
+    which another one did), pss, cpu_seconds, peak_bytes, C and gamma_factor (where they were chosen), n_bags,
+    n_positive, n_instances and n_features of training and test set together. Times and memory differ from run
+    to run.
 
     References
     ----------
     Palmer (2015), section 3.3.
     """
-    return measured(setting, place, Work())
+    cell, name = (setting.data_set, setting.method), f"{setting.data_set}, {setting.method}"
+    found: Mapping[str, Cell] | None = None
+    peak: int | None = None
+    parameters = tuned(replace(setting, fold=0), place.seed) if setting.tuning_draws else {}
+    if cell not in _HOPELESS and parameters is not None:
+        found, peak = _PROCESS.call(name, measured, setting, place.seed, parameters)
+    if found is None:
+        _HOPELESS.add(cell)
+    numbers, chosen = found or {}, parameters or {}
+    return [
+        {
+            "data_set": setting.data_set,
+            "method": setting.method,
+            "fold": setting.fold,
+            "state": STOPPED if found is None else DONE,
+            "pss": numbers.get("pss"),
+            "cpu_seconds": numbers.get("cpu_seconds"),
+            "peak_bytes": peak,
+            "C": chosen.get("C"),
+            "gamma_factor": chosen.get("gamma_factor"),
+            **{name: numbers.get(name) for name in _COUNTS},
+        }
+    ]
 
 
-def measured(setting: MilSetting, place: Place, work: Work) -> list[Row]:
-    """Do the work of a setting fold by fold, or what is left of it."""
-    file = place.folder / _CELLS / setting.data_set / f"{setting.method}.json"
-    asked = {"setting": asdict(setting), "seed": place.seed}
-    parameters = _chosen(setting, asked, file, work.trials) if setting.tuning_draws else {}
-    if parameters is None:
-        return [_row(setting, 0, Step(STOPPED, None, 0), {})]
-    job = Job(work.folds, {**asked, "parameters": parameters}, setting.folds, setting.cpu_limit, file)
-    steps = run_job(job, str(setting))
-    return [_row(setting, fold, step, parameters) for fold, step in enumerate(steps)]
+def measured(setting: MilSetting, seed: int, parameters: Parameters) -> dict[str, Cell] | None:
+    """Learn from a fold and predict it, after a first small problem: its score, time and size.
 
-
-def obstacles(settings: Sequence[MilSetting]) -> Mapping[MilSetting, Obstacle]:
-    """Return the settings with missing data.
-
-    Raises
-    ------
-    DataError
-        If a file is damaged.
+    Returns
+    -------
+    dict or None
+        None if it took longer than allowed; then this process may as well have ended.
     """
-    found = {name: absence(name) for name in dict.fromkeys(setting.data_set for setting in settings)}
-    return {setting: obstacle for setting in settings if (obstacle := found[setting.data_set]) is not None}
-
-
-def _chosen(
-    setting: MilSetting, asked: Mapping[str, Any], file: Path, prepare: Prepare
-) -> dict[str, float] | None:
-    """Return the best parameters on draws that serve nothing else; None if all took too long."""
-    points = grid_points(setting.grid_step)
-    trials = file.with_name(f"{file.stem}.trials.json")
-    job = Job(prepare, asked, len(points), setting.trial_limit, trials, ends_when_stopped=False)
-    return best_point(run_job(job, f"{setting}, tuning"), points)
-
-
-def _row(setting: MilSetting, fold: int, step: Step, parameters: Mapping[str, float]) -> Row:
+    data_set, method = DATA_SETS[setting.data_set], METHODS[setting.method]
+    split = splitter(data_set, seed=seed, n_bags=setting.n_bags)(setting.fold)
+    own = stream(seed_sequence(seed), _LEARNING, data_set.key, method.key, setting.fold)
+    done = _timed(setting.cpu_limit, method, [split], [own], parameters)
+    if done is None:
+        return None
+    (predicted,), seconds = done
+    parts = (split.train, split.test)
     return {
-        "data_set": setting.data_set,
-        "method": setting.method,
-        "fold": fold,
-        "state": step.state,
-        "pss": step.values.get("pss"),
-        "cpu_seconds": step.cpu_seconds,
-        "peak_bytes": step.peak_bytes,
-        "C": parameters.get("C"),
-        "gamma_factor": parameters.get("gamma_factor"),
-        **{name: step.values.get(name) for name in _COUNTS},
+        "pss": peirce_skill_score(split.test.labels, predicted),
+        "cpu_seconds": seconds,
+        "n_bags": sum(len(part.bags) for part in parts),
+        "n_positive": sum(int(part.labels.sum()) for part in parts),
+        "n_instances": sum(len(bag) for part in parts for bag in part.bags),
+        "n_features": split.train.bags[0].shape[1],
     }
+
+
+@cache
+def tuned(setting: MilSetting, seed: int) -> Mapping[str, float] | None:
+    """Return the parameters with the best mean score on draws that serve nothing else, the first of equals.
+
+    They are found anew by every process that computes folds of a tuned method.
+
+    Returns
+    -------
+    mapping or None
+        None if all took too long.
+    """
+    points, scored = grid_points(setting.grid_step), []
+    for number, point in enumerate(points):
+        report("points of the grid", number, len(points))
+        score, _ = _PROCESS.call(f"{setting.data_set}, {setting.method}, tuning", tried, setting, seed, point)
+        if score is not None:
+            scored.append((score, -number))
+    return points[-max(scored)[1]] if scored else None
+
+
+def tried(setting: MilSetting, seed: int, parameters: Parameters) -> float | None:
+    """Return the mean score with these parameters over the draws for tuning; None if it took too long."""
+    data_set, method = DATA_SETS[setting.data_set], METHODS[setting.method]
+    if not isinstance(data_set, Synthetic):
+        raise InputError(f"parameters are tuned on fresh draws, and of {data_set.title} there are none")
+    splits = tuning_splits(data_set, seed=seed, n_bags=setting.n_bags, count=setting.tuning_draws)
+    base = stream(seed_sequence(seed), _TRIALS, data_set.key, method.key)
+    done = _timed(
+        setting.trial_limit, method, splits, [stream(base, draw) for draw in range(len(splits))], parameters
+    )
+    if done is None:
+        return None
+    scores = [
+        peirce_skill_score(split.test.labels, predicted)
+        for split, predicted in zip(splits, done[0], strict=True)
+    ]
+    return float(np.mean(scores))
+
+
+def grid_points(step: int) -> tuple[dict[str, float], ...]:
+    """Return points of the source's grid, those with values nearest to the constant parameters first.
+
+    Parameters
+    ----------
+    step : int
+        1 for the whole grid of `svm_grid`; k for every k-th power, counted from the constant parameters.
+    """
+    axes = svm_grid("full")
+    costs = _every(axes["C"], 10, step)
+    factors = _every(axes["gamma_factor"], 2, step)
+    return tuple({"C": cost, "gamma_factor": factor} for cost, factor in product(costs, factors))
+
+
+def _every(values: Sequence[float], base: float, step: int) -> list[float]:
+    """Return the values with exponents that differ from that of the constant one by multiples of the step."""
+    return [value for value in values if round(math.log(value / values[0], base)) % step == 0]
+
+
+def _timed(
+    limit: float,
+    method: Method,
+    splits: Sequence[Split],
+    seeds: Sequence[np.random.SeedSequence],
+    parameters: Parameters,
+) -> tuple[list[NDArray[Any]], float] | None:
+    """Return the labels predicted for the test bags of every split, and the CPU seconds of it all."""
+    _warm_up(method, splits[0].train.bags[0].shape[1])
+    with cpu_limit(limit):
+        begin = cpu_seconds()
+        predicted = [
+            method.learner(seed, parameters)
+            .fit(split.train.bags, split.train.labels)
+            .predict(split.test.bags)
+            for split, seed in zip(splits, seeds, strict=True)
+        ]
+        seconds = cpu_seconds() - begin
+    # The operating system counts whole seconds.
+    return None if seconds > limit else (predicted, seconds)
+
+
+@cache
+def _warm_up(method: Method, width: int) -> None:
+    """Learn a small problem of the same width, so that nothing is compiled or loaded while time is taken."""
+    rng = generator(seed_sequence(0))
+    labels = np.arange(_SMALL_BAGS[0]) % 2 == 0
+    bags = list(rng.standard_normal((*_SMALL_BAGS, width)) + labels[:, None, None])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        method.learner(seed_sequence(0), {}).fit(bags, labels).predict(bags)
+    # Looking through all that was imported for garbage takes longer than some folds.
+    gc.freeze()

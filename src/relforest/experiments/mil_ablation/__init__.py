@@ -1,8 +1,8 @@
-"""What each part of a committee of volumes contributes, on the data that it was designed with.
+"""What does each part of a committee of volumes contribute?
 
 `made_up` draws bags that mimic difficulties of published sets, `settings` holds the data sets and the
 variants, `run` turns a data set into rows, `analysis` turns the table into findings and a figure. The
-question, the command and the result are in ``README.md``.
+command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

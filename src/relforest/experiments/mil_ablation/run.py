@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from itertools import count, islice
 from types import MappingProxyType
 from typing import Final
@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from relforest.datasets import BagSet, color, covariant1, covariant2, disjunctive, fetch_musk1
-from relforest.experiments.mil.data import N_FOLDS, Split, absence, cross_validation
+from relforest.experiments.mil.data import N_FOLDS, Split, cross_validation
 from relforest.experiments.mil_ablation.made_up import (
     digit_mixture,
     digits,
@@ -20,7 +20,7 @@ from relforest.experiments.mil_ablation.made_up import (
     wide,
 )
 from relforest.experiments.mil_ablation.settings import MUSK, VARIANTS, AblationSetting
-from relforest.experiments.study import Obstacle, Place
+from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
@@ -59,19 +59,6 @@ def compute(setting: AblationSetting, place: Place) -> list[Row]:
             score = peirce_skill_score(test.labels, predicted)
             rows.append({"data_set": setting.data_set, "variant": variant, "draw": draw, "pss": score})
     return rows
-
-
-def obstacles(settings: Sequence[AblationSetting]) -> Mapping[AblationSetting, Obstacle]:
-    """Return the settings with missing data.
-
-    Raises
-    ------
-    DataError
-        If a file is damaged.
-    """
-    of_musk = [setting for setting in settings if setting.data_set == MUSK]
-    obstacle = absence(MUSK) if of_musk else None
-    return {} if obstacle is None else dict.fromkeys(of_musk, obstacle)
 
 
 def learner(variant: str, seed: np.random.SeedSequence) -> BagClassifier:

@@ -8,6 +8,8 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, Final, final
 
+from relforest.experiments.mil.data import DATA_SETS
+from relforest.experiments.mil.settings import REPRODUCED
 from relforest.mil.volume_panels import PANELS
 
 
@@ -43,22 +45,19 @@ class AblationSetting:
         return TITLES[self.data_set]
 
 
+MUSK: Final = "musk1"
 TITLES: Final = MappingProxyType(
     {
-        "color": "Color",
-        "covariant1": "Covariant 1",
-        "covariant2": "Covariant 2",
-        "disjunctive": "Disjunctive",
+        **{name: DATA_SETS[name].title for name in ("color", *REPRODUCED)},
         "three-parts": "three parts",
         "rare": "rare",
         "wide": "wide",
         "elements": "elements",
         "digits": "digits",
         "digit-mixture": "digit mixture",
-        "musk1": "Musk 1",
+        MUSK: DATA_SETS[MUSK].title,
     }
 )
-MUSK: Final = "musk1"
 MODELLED: Final = ("rare", "wide", "elements")
 """Made-up sets that imitate facts of published ones, on which `mil` should compare independently."""
 

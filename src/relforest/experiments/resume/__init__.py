@@ -1,7 +1,7 @@
-"""Whether a run that is killed at any moment and restarted ends with the files of an uninterrupted run.
+"""Does a run that is killed and restarted end with the same bytes?
 
 `settings` holds the variants, `run` kills ``relforest learn`` and compares what it leaves behind, `analysis`
-turns the table into findings. The question, the command and the result are in ``README.md``.
+turns the table into findings. The command and the result are in ``README.md``.
 """
 
 from __future__ import annotations

@@ -1,5 +1,3 @@
-from .analysis import figures, summarize
-from .run import compute
-from .settings import CHOICES, SETTINGS, SMOKE
+from .analysis import STUDY
 
-__all__ = ["CHOICES", "SETTINGS", "SMOKE", "compute", "figures", "summarize"]
+__all__ = ["STUDY"]

@@ -2,52 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from matplotlib.figure import Figure
+from typing import Final
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.resume.run import LONGEST
-from relforest.experiments.table import Table, aligned
+from relforest.experiments.headings import heading
+from relforest.experiments.resume.run import LONGEST, compute
+from relforest.experiments.resume.settings import CHOICES, SETTINGS, SMOKE
+from relforest.experiments.sheets import Sheet
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
+
+_TEXT: Final = (
+    "relforest learn killed and started again: all files except clock times compared with those of an\n"
+    "uninterrupted run (killed at: fraction of the duration of that run; running: when it was killed;\n"
+    f"survivors: processes still running {LONGEST:g} s later)"
+)
+_COLUMNS: Final = {
+    "killed at": "fraction",
+    "seconds": "seconds",
+    "signal": "signal",
+    "running": "alive",
+    "survivors": "survivors",
+    "iterations by then": "iterations",
+    "files": "files",
+    "identical in the end": "identical",
+    "differing": "differing",
+}
+_FORMATS: Final = {"killed at": ".3f", "seconds": ".2f"}
 
 
 def summarize(table: Table) -> Findings:
     """List every moment, and claim for every variant that no file differs and no process survives."""
     parts, claims = [], []
-    for variant in map(str, table.distinct("variant")):
-        own = table.where(variant=variant)
-        rows = [
-            (
-                f"{row['fraction']:.3f}",
-                f"{row['seconds']:.2f}",
-                str(row["signal"]),
-                "yes" if row["alive"] else "no",
-                str(row["survivors"]),
-                str(row["iterations"]),
-                str(row["files"]),
-                "yes" if row["identical"] else f"NO: {row['differing']}",
-            )
-            for row in own.rows
-        ]
-        header = (
-            *("killed at", "seconds", "signal", "running", "survivors"),
-            *("iterations by then", "files", "identical in the end"),
-        )
-        parts.append(f"{variant}\n" + aligned(header, rows))
-        differing = len(own) - own.numbers("identical").sum()
-        claims.append(
-            Claim(f"{variant}: runs that ended differently, of {len(own)}", float(differing), high=0.0)
-        )
+    for (variant,), own in table.groups("variant").items():
+        rows = [tuple(row[column] for column in _COLUMNS.values()) for row in own.rows]
+        parts.append(Sheet(str(variant), {**dict.fromkeys(_COLUMNS, ""), **_FORMATS}, tuple(rows)))
+        differing = len(own) - float(own.numbers("identical").sum())
         surviving = float(own.numbers("survivors").sum())
-        claims.append(Claim(f"{variant}: processes left after {LONGEST:g} s", surviving, high=0.0))
-    title = (
-        "relforest learn killed and started again: all files except clock times compared with those of an\n"
-        "uninterrupted run (killed at: fraction of the duration of that run; running: when it was killed;\n"
-        f"survivors: processes still running {LONGEST:g} s later)"
-    )
-    return Findings("\n\n".join((title, *parts)), tuple(claims))
+        claims += [
+            Claim(f"{variant}: runs that ended differently, of {len(own)}", differing, high=0.0),
+            Claim(f"{variant}: processes left after {LONGEST:g} s", surviving, high=0.0),
+        ]
+    return Findings(_TEXT, tuple(claims), tuple(parts))
 
 
-def figures(table: Table) -> Mapping[str, Figure]:  # noqa: ARG001 - every study has this function
-    """Return no figure: the table says it all."""
-    return {}
+STUDY: Final = Study(
+    *heading(__package__), SETTINGS, SMOKE, compute, summarize, compiles=False, choices=CHOICES
+)

@@ -73,8 +73,7 @@ SETTINGS: Final = (
     ),
 )
 SMOKE: Final = (
-    ResumeSetting("threads", "one run", 1, 1, 1, episodes=5, iterations=1, moments=1),
-    ResumeSetting("orphans", _ORPHANS, 2, 2, 2, episodes=5, iterations=1, moments=1, whom=PARENT),
+    ResumeSetting("orphans", "one run", 1, 1, 1, episodes=5, iterations=1, moments=1, whom=PARENT),
 )
 
 CHOICES: Final[Mapping[str, Callable[[ResumeSetting], str]]] = MappingProxyType(

@@ -1,19 +1,19 @@
-"""Table -> what was measured of each method on each data set."""
+"""Table -> what was measured of each method on each data set, and means over data sets."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import final
 
-from relforest.experiments.mil.data import DATA_SETS
-from relforest.experiments.mil.methods import METHODS
-from relforest.experiments.mil.settings import ALPHA, N_COMPARISONS
-from relforest.experiments.mil.steps import STOPPED
+import numpy as np
+
+from relforest.experiments.mil.data import COMPARED, DATA_SETS
+from relforest.experiments.mil.methods import IMPROVED, METHODS
+from relforest.experiments.mil.settings import ALPHA, N_COMPARISONS, STOPPED
 from relforest.experiments.table import Cell, Table
 from relforest.metrics import Moments, sidak_level, two_sample_p_value
-from relforest.support.errors import RunFolderError
 
 
 @final
@@ -28,7 +28,7 @@ class Result:
     peak_bytes : int
         The largest memory of its processes.
     is_stopped : bool
-        Whether a fold took too long; the others were then not done.
+        Whether a fold took too long.
     facts : mapping
         The chosen parameters and the size of the data; unknown ones are None.
     """
@@ -68,17 +68,9 @@ class Results:
 
     @classmethod
     def of(cls, table: Table) -> Results:
-        """Group the rows of a table.
-
-        Raises
-        ------
-        RunFolderError
-            If the score or the time of a finished fold is missing.
-        """
-        rows: dict[tuple[str, str], list[Mapping[str, Cell]]] = {}
-        for row in table.rows:
-            rows.setdefault((str(row["data_set"]), str(row["method"])), []).append(row)
-        return cls(MappingProxyType({key: _result(own) for key, own in rows.items()}))
+        """Group the rows of a table."""
+        cells = table.groups("data_set", "method")
+        return cls({(str(data_set), str(method)): _result(own) for (data_set, method), own in cells.items()})
 
     @property
     def data_sets(self) -> tuple[str, ...]:
@@ -89,6 +81,11 @@ class Results:
     def methods(self) -> tuple[str, ...]:
         """The methods with results, in the order of the tables."""
         return tuple(name for name in METHODS if any(name == key[1] for key in self.by_cell))
+
+    def mean(self, data_set: str, method: str) -> float:
+        """Return the mean score of a method on a data set; NaN if it was stopped or not chosen."""
+        found = self.get(data_set, method)
+        return float("nan") if found is None or found.skill is None else found.skill.mean
 
     def get(self, data_set: str, method: str) -> Result | None:
         """Return the result of a method on a data set; None if they were not chosen."""
@@ -126,24 +123,70 @@ def mark(ours: Moments | None, other: Moments | None, *, is_cost: bool = False) 
     return ">" if is_more else "<"
 
 
-def _result(rows: list[Mapping[str, Cell]]) -> Result:
-    done = [row for row in rows if row["state"] != STOPPED]
-    facts = (done or rows)[0]
+@final
+@dataclass(frozen=True, slots=True)
+class Mean:
+    """A method over the data sets that it was tried on.
+
+    Parameters
+    ----------
+    n_data_sets, n_stopped : int
+        On how many it was tried, and stopped.
+    with_zeros : float
+        Mean score with 0 for those where it was stopped; NaN if it was tried on none.
+    of_finished : float
+        Mean score over those it finished; NaN if there is none.
+    improved_with_zeros, improved_on_finished : float
+        The improved method's mean score over the same data sets; NaN if it was not tried on one of them.
+    """
+
+    n_data_sets: int
+    n_stopped: int
+    with_zeros: float
+    of_finished: float
+    improved_with_zeros: float
+    improved_on_finished: float
+
+    @property
+    def lead(self) -> float:
+        """How much better the improved method is, in the comparison that is worse for it."""
+        return float(
+            np.fmin(self.improved_with_zeros - self.with_zeros, self.improved_on_finished - self.of_finished)
+        )
+
+
+def means(results: Results, method: str, among: Collection[str] = COMPARED) -> Mean:
+    """Return the means of a method over the data sets it was tried on.
+
+    Parameters
+    ----------
+    results : Results
+    method : str
+    among : collection of str
+        Only of these data sets.
+    """
+    tried = [name for name in results.data_sets if name in among and results.get(name, method) is not None]
+    own, other = (np.array([results.mean(name, one) for name in tried]) for one in (method, IMPROVED))
+    finished = ~np.isnan(own)
+    if all(results.get(name, IMPROVED) is not None for name in tried):
+        # Where it was stopped itself, it has 0 as well.
+        other = np.nan_to_num(other)
+    else:
+        other = np.full(len(tried), np.nan)
+    samples = (np.nan_to_num(own), own[finished], other, other[finished])
+    numbers = (float(sample.mean()) if len(sample) else float("nan") for sample in samples)
+    return Mean(len(tried), int((~finished).sum()), *numbers)
+
+
+def _result(rows: Table) -> Result:
+    state, peaks = rows.cells("state"), rows.numbers("peak_bytes")
+    done = [row for row in rows.rows if row["state"] != STOPPED]
+    facts = (done or rows.rows)[0]
+    scores, times = (rows.numbers(name)[[one != STOPPED for one in state]] for name in ("pss", "cpu_seconds"))
     return Result(
-        tuple(_number(row, "pss") for row in done),
-        tuple(_number(row, "cpu_seconds") for row in done),
-        max(int(_number(row, "peak_bytes")) for row in rows),
+        tuple(scores.tolist()),
+        tuple(times.tolist()),
+        int(np.nan_to_num(peaks).max()),
         len(done) < len(rows),
         MappingProxyType({name: facts[name] for name in _FACTS}),
     )
-
-
-def _number(row: Mapping[str, Cell], column: str) -> float:
-    value = row[column]
-    if value is None:
-        raise RunFolderError(
-            f"{row['data_set']}, {row['method']}, fold {row['fold']} is {row['state']}, but its {column} is "
-            f"missing: delete cells/{row['data_set']}/{row['method']}.json and the file in settings that "
-            "contains this row to compute them again"
-        )
-    return float(value)

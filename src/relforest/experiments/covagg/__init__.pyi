@@ -1,5 +1,0 @@
-from .analysis import figures, summarize
-from .run import compute
-from .settings import SETTINGS, SMOKE
-
-__all__ = ["SETTINGS", "SMOKE", "compute", "figures", "summarize"]
