@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import fields, replace
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeVar
@@ -124,12 +125,13 @@ def _compute(
     elif study.compiles and n_jobs != 1 and len(left) > 1:
         _warm_up(study)
 
+    done = count(len(files) - len(left) + 1)
+
     def save(task: int, rows: list[Row]) -> None:
         place = left[task]
         header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
         write_json(files[place], {**header, "setting": _plain(chosen[place]), "rows": rows})
-        done = sum(file.exists() for file in files.values())
-        announce(f"{study.name}: {done} of {len(files)} done ({chosen[place]})")
+        announce(f"{study.name}: {next(done)} of {len(files)} done ({chosen[place]})")
 
     run_tasks(
         _rows_of,
