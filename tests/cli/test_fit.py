@@ -18,7 +18,7 @@ def test_a_tree_is_learned_told_and_written(run: CommandLine, table: Path, tmp_p
 
     assert outcome.code == 0
     assert outcome.out.startswith(f"{model.tree}\n")
-    assert "there is an A with extent between 0.4" in outcome.out
+    assert "there is an A with extent at least 0.4" in outcome.out
     assert (
         f"probabilities are of completed = True, which {N_SCENES // 2} of {N_SCENES} scenes have"
         in outcome.out

@@ -32,11 +32,11 @@ def test_a_tree_that_finds_the_concept_carries_over(tmp_path: Path) -> None:
     assert rows == compute(setting, Place(0, 3, tmp_path))
 
 
-@pytest.mark.parametrize(("learner", "most"), [("boosting", 200), ("forest", 4000), ("rules", 500)])
+@pytest.mark.parametrize(("learner", "most"), [("boosting", 200), ("forest", 4000), ("rules", 2000)])
 def test_forests_are_learners_too(learner: Learner, most: int, tmp_path: Path) -> None:
-    rows = compute(ConceptSetting("yellow", 0, 40, learner=learner), Place(0, 3, tmp_path))
+    rows = compute(ConceptSetting("between", 0, 100, learner=learner), Place(0, 3, tmp_path))
 
-    assert [row["method"] for row in rows] == [learner] * 2
-    assert all(float(str(row["pss"])) > 0.8 for row in rows)
+    assert [row["method"] for row in rows] == [learner] * 3
+    assert all(float(str(row["pss"])) > 0.6 for row in rows)
     assert 2 <= int(str(rows[0]["leaves"])) <= most
-    assert "color" in str(rows[0]["words"])
+    assert "the way from A" in str(rows[0]["words"]) or "the line from A" in str(rows[0]["words"])
