@@ -221,7 +221,7 @@ def _ellipse(statement: Statement, test: Near, others: list[str]) -> str:
         "reframe": f", {start} at (0, 0) facing {end} along (1, 0)",
         "scaled_reframe": f", {start} at (0, 0) and {end} at (1, 0)",
     }[mapping.operation]
-    verb = "is" if mapping.attribute.name == "location" else f"has {mapping.attribute.name}"
+    verb = "is" if mapping.attribute.role == "location" else f"has {mapping.attribute.name}"
     return f"{verb} in the ellipse around {centre} with half-axes {axes}{where}"
 
 

@@ -207,7 +207,7 @@ def _statement(question: Question) -> _Statement:
         return _Statement(names[-1], "has", "", _category(mapping, int(interval(volume)[1]), names[0]))
     # An object is at a place, and has anything else.
     compared = distance or mapping.operation in {"scaled_distance", "bearing"}
-    located = mapping.attribute.name == "location" and (compared or volume.dim > 1)
+    located = mapping.attribute.role == "location" and (compared or volume.dim > 1)
     owners = names if located else [f"{name}'s" for name in names]
     if isinstance(volume, Slab):
         return _component(mapping, volume, names, owners)
@@ -227,7 +227,7 @@ def _statement(question: Question) -> _Statement:
 
 
 def _component(mapping: Mapping, volume: Slab, names: list[str], owners: list[str]) -> _Statement:
-    if mapping.attribute.name == "location" and volume.dim <= len(AXIS_NAMES):
+    if mapping.attribute.role == "location" and volume.dim <= len(AXIS_NAMES):
         component, owner = AXIS_NAMES[volume.axis], names[-1]
     else:
         component, owner = f"component {volume.axis + 1}", f"{names[-1]}'s {mapping.attribute.name}"
