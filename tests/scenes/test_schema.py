@@ -139,3 +139,20 @@ ATTRIBUTE = Attribute("location", 2).to_dict()
 def test_documents_that_are_no_schema_are_refused(document: object, message: str) -> None:
     with pytest.raises(ModelFormatError, match=message):
         Schema.from_dict(document)
+
+
+def test_what_an_attribute_means_is_its_role() -> None:
+    place = Attribute("place", 2, role="location")
+    paint = Attribute("paint", 3, role="color")
+
+    assert (Attribute("location", 2).role, Attribute("colour", 3).role) == ("location", "color")
+    assert (Attribute("speed").role, Attribute("orientation").role) == ("property", "property")
+    assert Attribute("location", 2, role="property").operations == place.operations
+    assert paint.operations == ("identity", "difference")
+    for attribute in (place, paint, Attribute("location", 2), Attribute("location", 2, role="property")):
+        assert Attribute.from_dict(attribute.to_dict()) == attribute
+    assert "role" not in Attribute("location", 2).to_dict()
+    with pytest.raises(InputError, match="role of attribute 'a' must be one of"):
+        Attribute("a", role="place")
+    with pytest.raises(InputError, match="attribute 'team' is of kind category, so it cannot be a color"):
+        Attribute("team", kind="category", role="color")

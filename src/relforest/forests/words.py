@@ -10,7 +10,7 @@ from relforest.support.numerals import ends, number
 
 if TYPE_CHECKING:
     from relforest.forests.conditions import Condition
-    from relforest.scenes import Schema
+    from relforest.scenes import Attribute, Schema
 
 _AXES: Final = ("x", "y", "z")
 _LETTERS: Final = "CD"
@@ -117,40 +117,40 @@ def _range(test: Bound | Near, operation: str) -> _Range:
 
 
 def _number(statement: Statement, limits: _Range, others: list[str]) -> str:
-    mapping = statement.mapping
-    name, dim = mapping.attribute.name, mapping.attribute.dim
+    mapping, attribute = statement.mapping, statement.mapping.attribute
+    where = _as_to(attribute)
     component = statement.test.component if isinstance(statement.test, (Bound, Near)) else 0
     match mapping.operation:
         case "identity":
-            return f"has {_component(name, dim, component)} {_limits(limits)}"
+            return f"has {_component(attribute, component)} {_limits(limits)}"
         case "distance":
-            return f"is {_distance(limits)} {others[0]}" + _as_to(name)
+            return f"is {_distance(limits)} {others[0]}" + where
         case "scaled_distance":
             far = _limits(limits)
-            return f"is {far} times as far from {others[0]} as {others[1]} is" + _as_to(name)
+            return f"is {far} times as far from {others[0]} as {others[1]} is" + where
         case "bearing":
             turned = _Range(math.degrees(limits.low), math.degrees(limits.high))
-            return f"is seen from {others[0]} {_limits(turned)} degrees away from {others[1]}" + _as_to(name)
+            return f"is seen from {others[0]} {_limits(turned)} degrees away from {others[1]}" + where
         case "difference":
-            part = _component(name, dim, component)
+            part = _component(attribute, component)
             if limits.absolute and math.isinf(limits.high):
                 return f"differs in {part} by at least {number(limits.low)} from {others[0]}"
             return f"has {part} {_difference(limits)} that of {others[0]}"
         case "reframe" | "scaled_reframe":
-            return _in_frame(limits, component, others, scaled=mapping.operation != "reframe") + _as_to(name)
+            return _in_frame(limits, component, others, scaled=mapping.operation != "reframe") + where
     raise AssertionError(mapping.operation)
 
 
-def _component(name: str, dim: int, component: int) -> str:
-    if dim == 1:
-        return name
-    if name == "location" and dim <= len(_AXES):
+def _component(attribute: Attribute, component: int) -> str:
+    if attribute.dim == 1:
+        return attribute.name
+    if attribute.role == "location" and attribute.dim <= len(_AXES):
         return _AXES[component]
-    return f"component {component + 1} of {name}"
+    return f"component {component + 1} of {attribute.name}"
 
 
-def _as_to(name: str) -> str:
-    return "" if name == "location" else f" in {name}"
+def _as_to(attribute: Attribute) -> str:
+    return "" if attribute.role == "location" else f" in {attribute.name}"
 
 
 def _limits(limits: _Range) -> str:
@@ -227,7 +227,7 @@ def _ellipse(statement: Statement, test: Near, others: list[str]) -> str:
         "reframe": f", {start} at (0, 0) facing {end} along (1, 0)",
         "scaled_reframe": f", {start} at (0, 0) and {end} at (1, 0)",
     }[mapping.operation]
-    verb = "is" if mapping.attribute.name == "location" else f"has {mapping.attribute.name}"
+    verb = "is" if mapping.attribute.role == "location" else f"has {mapping.attribute.name}"
     return f"{verb} in the ellipse around {centre} with half-axes {axes}{where}"
 
 

@@ -14,11 +14,13 @@ from typing import Final, Literal, cast, final
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, one_of
 
-__all__ = ["KINDS", "OPERATION_NAMES", "Attribute", "Kind", "Schema"]
+__all__ = ["KINDS", "OPERATION_NAMES", "ROLES", "Attribute", "Kind", "Role", "Schema"]
 
 Kind = Literal["euclidean", "angle", "category"]
+Role = Literal["location", "color", "extent", "property"]
 
 KINDS: Final[tuple[Kind, ...]] = ("euclidean", "angle", "category")
+ROLES: Final[tuple[Role, ...]] = ("location", "color", "extent", "property")
 OPERATION_NAMES: Final = (
     *("identity", "distance", "difference", "reframe", "scaled_reframe"),
     *("scaled_distance", "bearing", "same"),
@@ -30,11 +32,17 @@ OPERATIONS_BY_KIND: Final[dict[Kind, tuple[str, ...]]] = {
     "category": ("identity", "same"),
 }
 PLANAR_OPERATIONS: Final = ("reframe", "scaled_reframe", "bearing")
-_OPERATIONS_BY_NAME: Final[dict[str, tuple[str, ...]]] = {
+_OPERATIONS_BY_ROLE: Final[dict[Role, tuple[str, ...]]] = {
     "color": ("identity", "difference"),
-    "colour": ("identity", "difference"),
     "extent": ("identity",),
-    "extent_ratio": ("identity",),
+}
+_ROLES_BY_NAME: Final[dict[str, Role]] = {
+    "location": "location",
+    "position": "location",
+    "color": "color",
+    "colour": "color",
+    "extent": "extent",
+    "extent_ratio": "extent",
 }
 
 
@@ -61,6 +69,10 @@ class Attribute:
     categories : iterable of str, optional
         The names that a category can have. If there are none, the reader of scenes takes those of the data,
         sorted.
+    role : {"location", "color", "extent", "property"}, optional
+        What the attribute means, which decides how sentences speak of it ("is within 3 of" a location) and
+        the default operations. Default: that of the names location, position, color, colour, extent and
+        extent_ratio, otherwise ``"property"``.
 
     Raises
     ------
@@ -82,6 +94,7 @@ class Attribute:
     kind: Kind
     operations: tuple[str, ...]
     categories: tuple[str, ...]
+    role: Role
 
     def __init__(
         self,
@@ -90,6 +103,7 @@ class Attribute:
         kind: str | None = None,
         operations: Iterable[str] | None = None,
         categories: Iterable[str] = (),
+        role: str | None = None,
     ) -> None:
         _check_name("attribute", name)
         if name == "id":
@@ -98,8 +112,9 @@ class Attribute:
             )
         dim = at_least(f"dim of attribute {name!r}", dim, 1)
         checked = _resolve_kind(name, dim, kind)
+        meaning = _resolve_role(name, checked, role)
         chosen = (
-            _default_operations(name, dim, checked)
+            _default_operations(dim, checked, meaning)
             if operations is None
             else _check_operations(name, dim, checked, operations)
         )
@@ -108,20 +123,25 @@ class Attribute:
         object.__setattr__(self, "kind", checked)
         object.__setattr__(self, "operations", chosen)
         object.__setattr__(self, "categories", _check_categories(name, checked, categories))
+        object.__setattr__(self, "role", meaning)
 
     def with_categories(self, categories: Iterable[str]) -> Attribute:
         """Return the same attribute with other categories."""
-        return Attribute(self.name, self.dim, self.kind, self.operations, categories)
+        return Attribute(self.name, self.dim, self.kind, self.operations, categories, self.role)
 
     def to_dict(self) -> dict[str, object]:
         """Return the attribute as plain JSON values."""
-        document = {
+        document: dict[str, object] = {
             "name": self.name,
             "dim": self.dim,
             "kind": self.kind,
             "operations": list(self.operations),
         }
-        return document | ({"categories": list(self.categories)} if self.kind == "category" else {})
+        if self.kind == "category":
+            document["categories"] = list(self.categories)
+        if self.role != _resolve_role(self.name, self.kind, None):
+            document["role"] = self.role
+        return document
 
     @classmethod
     def from_dict(cls, document: object) -> Attribute:
@@ -135,7 +155,10 @@ class Attribute:
         keys: tuple[str, ...] = ("name", "dim", "kind", "operations")
         if isinstance(document, dict) and document.get("kind") == "category":
             keys += ("categories",)
-        name, dim, kind, operations, *categories = _entries(document, keys, "attribute").values()
+        if isinstance(document, dict) and "role" in document:
+            keys += ("role",)
+        entries = _entries(document, keys, "attribute")
+        name, dim, kind = entries["name"], entries["dim"], entries["kind"]
         if not (isinstance(name, str) and isinstance(dim, int) and isinstance(kind, str)):
             raise ModelFormatError(
                 f"not an attribute: {document!r:.200}; expected a name, an integer dim and a kind"
@@ -145,8 +168,9 @@ class Attribute:
                 name,
                 dim,
                 kind,
-                _strings(operations, f"operations of attribute {name!r}"),
-                *(_strings(names, f"categories of attribute {name!r}") for names in categories),
+                _strings(entries["operations"], f"operations of attribute {name!r}"),
+                _strings(entries.get("categories", []), f"categories of attribute {name!r}"),
+                cast("str | None", entries.get("role")),
             )
         except InputError as error:
             raise ModelFormatError(str(error)) from error
@@ -304,11 +328,20 @@ def _resolve_kind(name: str, dim: int, kind: str | None) -> Kind:
     return checked
 
 
-def _default_operations(name: str, dim: int, kind: Kind) -> tuple[str, ...]:
+def _resolve_role(name: str, kind: Kind, role: str | None) -> Role:
+    if role is None:
+        return _ROLES_BY_NAME.get(name, "property") if kind == "euclidean" else "property"
+    checked = cast("Role", one_of(f"role of attribute {name!r}", role, ROLES))
+    if checked != "property" and kind != "euclidean":
+        raise InputError(f"attribute {name!r} is of kind {kind}, so it cannot be a {checked}: omit the role")
+    return checked
+
+
+def _default_operations(dim: int, kind: Kind, role: Role) -> tuple[str, ...]:
     if kind != "euclidean":
         return ("identity",) if kind == "angle" else OPERATIONS_BY_KIND[kind]
-    if name in _OPERATIONS_BY_NAME:
-        return _OPERATIONS_BY_NAME[name]
+    if role in _OPERATIONS_BY_ROLE:
+        return _OPERATIONS_BY_ROLE[role]
     return ("identity", "distance", "difference") + (PLANAR_OPERATIONS[:2] if dim == 2 else ())
 
 

@@ -71,7 +71,7 @@ def place(mapping: Mapping, volume: Volume, names: list[str], bounds: tuple[Boun
     str
         Such as ``"around the middle of the way from A to B"``; empty if there is nothing true to say.
     """
-    if mapping.attribute.name != "location" or isinstance(volume, Arc) or volume.dim not in {2, 3}:
+    if mapping.attribute.role != "location" or isinstance(volume, Arc) or volume.dim not in {2, 3}:
         return ""
     box = _box(volume, bounds)
     match mapping.operation:

@@ -208,7 +208,7 @@ def _statement(question: Question) -> _Statement:
         return _Statement(names[-1], "has", "", _category(mapping, int(interval(volume)[1]), names[0]))
     # An object is at a place, and has anything else.
     compared = distance or mapping.operation in {"scaled_distance", "bearing"}
-    located = mapping.attribute.name == "location" and (compared or volume.dim > 1)
+    located = mapping.attribute.role == "location" and (compared or volume.dim > 1)
     owners = names if located else [f"{name}'s" for name in names]
     bounds = question.bounds
     if isinstance(volume, Slab) and not bounds:
@@ -235,7 +235,7 @@ def _statement(question: Question) -> _Statement:
 def _coordinates(
     mapping: Mapping, volume: Volume, bounds: tuple[Bounds, ...], names: list[str]
 ) -> _Statement:
-    located = mapping.attribute.name == "location"
+    located = mapping.attribute.role == "location"
     owners = names if located else [f"{name}'s" for name in names]
     if located and volume.dim <= len(AXIS_NAMES):
         components, owner = [AXIS_NAMES[each.axis] for each in bounds], names[-1]
