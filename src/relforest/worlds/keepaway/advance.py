@@ -27,9 +27,20 @@ NO_ACTION: Final = -1
 NOBODY: Final = -1
 UNFINISHED: Final = -2
 
+FOREVER: Final = 2**62
+
 
 @kernel
-def advance(games: Games, g: int, setup: Setup, policy: int, action: int, work: Work) -> int:
+def advance(
+    games: Games,
+    g: int,
+    setup: Setup,
+    policy: int,
+    action: int,
+    work: Work,
+    tally: Tally | None = None,
+    cycles: int = FOREVER,
+) -> int:
     """Continue game ``g`` until a keeper must decide or the episode is over.
 
     Parameters
@@ -47,41 +58,31 @@ def advance(games: Games, g: int, setup: Setup, policy: int, action: int, work: 
         ignored if no keeper was asked, and the question is repeated if the answer is missing.
     work : Work
         Must be the one that served when the question was asked, not used for another game since.
+    tally : Tally, optional
+        Counts events.
+    cycles : int
+        How many cycles to play at most.
 
     Returns
     -------
     int
         The keeper that must decide, or -1 if the episode is over; ``games.counters[g, END]`` then says how,
-        the state is the last one, and `place` begins the next episode.
+        the state is the last one, and `place` begins the next episode. -2 if ``cycles`` have passed.
     """
     answer = action
-    while games.counters[g, END] == PLAYING:
-        actor = choose_commands(games, g, setup, policy, answer, work)
-        if actor != NOBODY:
-            return actor
-        answer = NO_ACTION
-        execute(games, g, setup)
-        judge(games, g, setup)
-    return NOBODY
-
-
-@kernel
-def advance_counted(
-    games: Games, g: int, setup: Setup, policy: int, action: int, work: Work, tally: Tally, cycles: int
-) -> int:
-    """Like `advance`, but count events, and return -2 if ``cycles`` cycles pass before the end."""
-    answer = action
     for _ in range(cycles):
+        if games.counters[g, END] != PLAYING:
+            break
         actor = choose_commands(games, g, setup, policy, answer, work)
         if actor != NOBODY:
             return actor
         answer = NO_ACTION
-        count_events(games, g, setup, tally)
+        # Without a tally, the compiler leaves this out.
+        if tally is not None:
+            count_events(games, g, setup, tally)
         execute(games, g, setup)
         judge(games, g, setup)
-        if games.counters[g, END] != PLAYING:
-            return NOBODY
-    return UNFINISHED
+    return UNFINISHED if games.counters[g, END] == PLAYING else NOBODY
 
 
 @kernel

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from itertools import pairwise
@@ -18,14 +18,13 @@ from relforest.scenes import Scenes
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.support.jit import kernel
-from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, advance
+from relforest.worlds.keepaway.advance import ASK, FOREVER, NO_ACTION, NOBODY, UNFINISHED, advance
 from relforest.worlds.keepaway.games import new_games
 from relforest.worlds.keepaway.layout import CAPPED, END, OUT, TAKEN, TIME, Games, Setup
 from relforest.worlds.keepaway.memory import DECIDED
 from relforest.worlds.keepaway.referee import place
 from relforest.worlds.keepaway.scene import attributes_of, blank_scenes, decision, describe, objects
 from relforest.worlds.keepaway.variables import by_distance, n_variables, nearest_keeper, state_variables
-from relforest.worlds.keepaway.viewer import KeepawayViewer
 from relforest.worlds.keepaway.views import Work, new_work
 
 DISCOUNT: Final = 0.9
@@ -36,7 +35,9 @@ END_NAMES: Final = {OUT: "out", TAKEN: "taken", CAPPED: "capped"}
 
 START: Final = -1
 RESTART: Final = -2
-"""Codes beside the actions: begin with the players as they are placed, or place them first."""
+GO_ON: Final = -3
+"""Codes beside the actions: begin with the players as they are placed, or place them first; continue a game
+that was interrupted."""
 
 MOST_REPLAYS: Final = 1000
 """Consecutive episodes without a decision after which a game is given up."""
@@ -52,6 +53,7 @@ class Seen(NamedTuple):
     actors: NDArray[np.int64]  # (G,) the keeper that must decide, or NOBODY
     elapsed: NDArray[np.int64]  # (G,) cycles since the decision before, 0 at the first one
     skipped: NDArray[np.int64]  # (G,) episodes without a decision before this one
+    asked: NDArray[np.int64]  # (G,) whether a keeper has decided in this episode
 
 
 @final
@@ -81,12 +83,12 @@ class Batch:
             actors=np.full(n_games, NOBODY),
             elapsed=np.zeros(n_games, dtype=np.int64),
             skipped=np.zeros(n_games, dtype=np.int64),
+            asked=np.zeros(n_games, dtype=np.int64),
         )
         self._blank = blank_scenes(n_games, keepers, takers)
         ends = np.linspace(0, n_games, min(n_threads, n_games) + 1).astype(np.int64).tolist()
         self._shares = [slice(first, last) for first, last in pairwise(ends)]
         self._pool: ThreadPoolExecutor | None = None
-        self._viewer: KeepawayViewer | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out the threads, which cannot be copied; new ones start when they are needed."""
@@ -112,8 +114,14 @@ class Batch:
         """Cycles since each episode began, (G,)."""
         return self.games.counters[:, TIME]
 
-    def begin(self, seeds: Sequence[np.random.SeedSequence | None]) -> None:
+    def begin(
+        self,
+        seeds: Sequence[np.random.SeedSequence | None],
+        watch: Callable[[], None] | None = None,
+    ) -> None:
         """Begin an episode in each game: a new game where there is a seed, else the next of the same game.
+
+        ``watch`` is called as by `play`.
 
         Raises
         ------
@@ -126,9 +134,9 @@ class Batch:
                 for mine, fresh in zip(self.games, new_games(self.setup, [seed]), strict=True):
                     mine[g] = fresh[0]
                 codes[g] = START
-        self.play(codes)
+        self.play(codes, watch)
 
-    def play(self, actions: NDArray[np.int64]) -> None:
+    def play(self, actions: NDArray[np.int64], watch: Callable[[], None] | None = None) -> None:
         """Play each game on to its next decision, or to its end.
 
         Parameters
@@ -136,13 +144,25 @@ class Batch:
         actions : (G,) int64
             The answer to the pending decision: 0 = hold, i = pass to the i-th of the receivers; or `START`
             or `RESTART`. It is not checked.
+        watch : callable, optional
+            Called after every cycle, and when an episode has begun.
 
         Raises
         ------
         InputError
             If episode after episode ends before any keeper has the ball.
         """
-        play = partial(self._play_share, actions)
+        if watch is None:
+            self._play(actions, FOREVER)
+            return
+        # To begin takes no time: the players are placed, and then shown.
+        self._play(actions, 0 if actions.max() < 0 else 1)
+        while (self.seen.actors == UNFINISHED).any():
+            watch()
+            self._play(np.full(len(self), GO_ON), 1)
+
+    def _play(self, actions: NDArray[np.int64], cycles: int) -> None:
+        play = partial(self._play_share, actions, cycles)
         # A pool costs more than a few games take.
         if len(self._shares) > 1 and self._pool is None:
             self._pool = ThreadPoolExecutor(len(self._shares))
@@ -153,10 +173,10 @@ class Batch:
                 f"max_cycles than {self.setup.max_cycles}, or 0 for no limit"
             )
 
-    def _play_share(self, actions: NDArray[np.int64], share: slice) -> int:
+    def _play_share(self, actions: NDArray[np.int64], cycles: int, share: slice) -> int:
         games, works = Games(*_part(self.games, share)), Work(*_part(self._works, share))
         seen = Seen(*_part(self.seen, share))
-        return play_games(games, works, self.setup, actions[share], seen)
+        return play_games(games, works, self.setup, actions[share], seen, cycles)
 
     def observation(self) -> dict[str, NDArray[Any]]:
         """Return the padded scenes, arrays of length G."""
@@ -184,21 +204,6 @@ class Batch:
         seen = self.seen
         return decision(seen.objects[g].copy(), int(seen.actors[g]), seen.receivers[g])
 
-    def picture(self, g: int) -> NDArray[np.uint8]:
-        """Return a picture of one game, (height, width, 3) uint8 RGB."""
-        setup, seen = self.setup, self.seen
-        if self._viewer is None:
-            self._viewer = KeepawayViewer(
-                keepers=setup.keepers, takers=setup.takers, length=setup.length, width=setup.width
-            )
-        return self._viewer.draw(
-            self.games.players[g],
-            self.games.ball[g],
-            actor=int(seen.actors[g]),
-            receivers=seen.receivers[g],
-            time=int(self.times[g]),
-        )
-
     def discounted(self, discount: float) -> NDArray[np.float64]:
         """Return the sum of ``discount**k`` over the cycles k = 0, 1, ... since the decision before, (G,)."""
         elapsed = self.seen.elapsed.astype(np.float64)
@@ -209,17 +214,24 @@ class Batch:
 
 
 @kernel
-def play_games(games: Games, works: Work, setup: Setup, actions: NDArray[np.int64], seen: Seen) -> int:
-    """Play every game on to its next decision or its end, see `Batch.play`.
+def play_games(
+    games: Games, works: Work, setup: Setup, actions: NDArray[np.int64], seen: Seen, cycles: int
+) -> int:
+    """Play every game on to its next decision or its end, see `Batch.play`, or by a number of cycles.
 
     ``works`` is the work space of all games: each array with one more axis in front. Returns the largest
     number of episodes that a game which began has passed over.
     """
     most = 0
     for g in range(len(actions)):
+        if actions[g] == GO_ON and seen.actors[g] != UNFINISHED:
+            continue
         work = _own_work(works, g)
-        actor = _play(games, g, setup, actions[g], work, seen)
-        _look(games, g, setup, actor, work, seen)
+        actor = _play(games, g, setup, actions[g], work, seen, cycles)
+        if actor == UNFINISHED:
+            seen.actors[g] = UNFINISHED
+        else:
+            _look(games, g, setup, actor, work, seen)
         if actions[g] < 0:
             most = max(most, seen.skipped[g])
     return most
@@ -240,21 +252,23 @@ def _own_work(works: Work, g: int) -> Work:
 
 
 @kernel
-def _play(games: Games, g: int, setup: Setup, action: int, work: Work, seen: Seen) -> int:
-    if action >= 0:
-        before = games.counters[g, TIME]
-        actor = advance(games, g, setup, ASK, action, work)
-        seen.elapsed[g] = games.counters[g, TIME] - before
-        return actor
+def _play(games: Games, g: int, setup: Setup, action: int, work: Work, seen: Seen, cycles: int) -> int:
     if action == RESTART:
         place(games, g, setup)
-    actor = advance(games, g, setup, ASK, NO_ACTION, work)
-    skipped = 0
-    while actor == NOBODY and skipped < MOST_REPLAYS:
-        skipped += 1
+    if action in (START, RESTART):
+        seen.asked[g] = seen.skipped[g] = 0
+    if action != GO_ON:
+        seen.elapsed[g] = 0
+    before = games.counters[g, TIME]
+    actor = advance(games, g, setup, ASK, max(action, NO_ACTION), work, None, cycles)
+    while actor == NOBODY and seen.asked[g] == 0 and seen.skipped[g] < MOST_REPLAYS:
+        seen.skipped[g] += 1
         place(games, g, setup)
-        actor = advance(games, g, setup, ASK, NO_ACTION, work)
-    seen.skipped[g], seen.elapsed[g] = skipped, 0
+        actor = advance(games, g, setup, ASK, NO_ACTION, work, None, cycles)
+    if seen.asked[g]:
+        seen.elapsed[g] += games.counters[g, TIME] - before
+    elif actor >= 0:
+        seen.asked[g] = 1
     return actor
 
 

@@ -31,7 +31,7 @@ from relforest.worlds.keepaway.advance import (
     NOBODY,
     RANDOM,
     UNFINISHED,
-    advance_counted,
+    advance,
 )
 from relforest.worlds.keepaway.events import N_EVENTS, Tally, forget_events, new_tally
 from relforest.worlds.keepaway.games import Games, new_games
@@ -227,7 +227,7 @@ def _play_episode(
     while actor != NOBODY:
         if games.counters[0, TIME] >= MOST_CYCLES:
             raise InputError(f"an episode has not ended after {MOST_CYCLES} cycles: set max_cycles")
-        actor = advance_counted(games, 0, setup, code, action, work, tally, _CYCLES)
+        actor = advance(games, 0, setup, code, action, work, tally, _CYCLES)
         action = NO_ACTION
         if actor >= 0 and callable(policy):
             variables = np.empty(n_variables(setup.keepers, setup.takers))

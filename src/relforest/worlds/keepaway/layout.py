@@ -49,6 +49,10 @@ NEXT: Final = 5
 N_COUNTERS: Final = 6
 
 
+SECOND: Final = 10
+"""Cycles in a second."""
+
+
 class Setup(NamedTuple):
     """What all games of a batch have in common, as plain numbers; `KeepawayOptions.setup` makes it."""
 

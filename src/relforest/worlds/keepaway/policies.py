@@ -112,6 +112,14 @@ class HandCodedPolicy:
         action = hand_coded(decision_variables(decision), keepers, decision.n_objects - keepers)
         return int(np.flatnonzero(decision.indices == action)[0])
 
+    def values(self, decision: Decision) -> NDArray[np.float64]:
+        """Return the scores that are compared, (n_actions,); NaN for passes that are ignored."""
+        keepers, variables = len(decision), decision_variables(decision)
+        if variables[keepers] > CALM + TIE:
+            return np.array([HOLD_SCORE] + [np.nan] * (keepers - 1))
+        near, angles = np.split(variables[2 * decision.n_objects - 1 :], 2)
+        return np.concatenate([[HOLD_SCORE], DISTANCE_WEIGHT * near + angles])[decision.indices]
+
 
 def decision_variables(decision: Decision) -> NDArray[np.float64]:
     """Return the state variables of a decision, with the ball at the keeper that must decide.
