@@ -87,8 +87,8 @@ WORLDS: Final[Mapping[str, _World]] = MappingProxyType(
 class PlayOptions:
     """Play episodes of a world and, with --out, write a page that shows them.
 
-    The length, the decisions and the outcome of each episode are printed. The page is a single HTML file that any browser
-    opens offline; it plays the episodes and lists every decision.
+    The length, the decisions and the outcome of each episode are printed. The page is a single HTML file that
+    any browser opens offline; it plays the episodes and lists every decision.
 
     For example:
       relforest play keepaway --policy hand --keepers 3 --takers 2 --out game.html
@@ -104,9 +104,9 @@ class PlayOptions:
     world
         What to play: corridor, keepaway, or a task of the blocks world: high-towers, color-grouping or arch.
     policy
-        Policy that decides. Any world: random, or the folder of a run of "relforest learn"; corridor: optimal;
-        keepaway: hand (the benchmark's hand-coded policy) or hold (always hold the ball); high-towers:
-        large-first or small-first; color-grouping: manual; arch: careful or trainer.
+        Policy that decides. Any world: random, or the folder of a run of "relforest learn"; corridor:
+        optimal; keepaway: hand (the benchmark's hand-coded policy) or hold (always hold the ball);
+        high-towers: large-first or small-first; color-grouping: manual; arch: careful or trainer.
     keepers
         keepaway: number of players who keep the ball.
     takers

@@ -116,9 +116,10 @@ class Stage:
         """
         if _COLOR.fullmatch(color):
             return color
-        if color not in self.shades:
+        shades = self.colors.get(color) or ROLES.get(color)
+        if shades is None:
             raise InputError(f"{color!r} is no colour: write '#rrggbb', or one of {', '.join(self.shades)}")
-        return self.shades[color][0]
+        return shades[0]
 
     def framed(self, things: tuple[Thing, ...]) -> View:
         """Return the view that contains these things as far as `widest` allows."""
@@ -142,7 +143,7 @@ class Shown(Protocol):
         ...
 
     def watch(self, see: Callable[[Frame], None] | None) -> None:
-        """Pass `see` a frame after each reset and step from now on, and in between if it likes. None stops it."""
+        """Pass `see` a frame after each reset and step, and in between if it likes, until it is None."""
         ...
 
     def say(self, position: int) -> Words:

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from relforest.playing.frames import Stage
 from relforest.playing.recorder import Recording
-from relforest.playing.tracks import FINE, TURN, Looks, episode_data
+from relforest.playing.tracks import FINE, TURN, Tables, episode_data
 from relforest.support.errors import InputError
 
 _PLACE: Final = re.compile(r"@@([a-z]+)@@")
@@ -52,7 +52,7 @@ def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: 
     stage = recordings[0].stage
     if any(other.stage != stage for other in recordings):
         raise InputError("the episodes of a page must be on the same stage: show them on pages of their own")
-    looks = Looks(stage)
+    tables = Tables(stage)
     game = {
         "title": title,
         "subtitle": subtitle,
@@ -64,10 +64,11 @@ def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: 
         "legend": stage.legend,
         "grain": (stage.view[1] - stage.view[0]) / FINE,
         "turn": 1 / TURN,
-        "backdrop": looks.number(stage.backdrop),
+        "backdrop": tables.look(stage.backdrop),
         "roles": list(stage.shades),
-        "episodes": [episode_data(recording, looks) for recording in recordings],
-        "looks": looks.table,
+        "episodes": [episode_data(recording, tables) for recording in recordings],
+        "looks": tables.looks,
+        "words": tables.words,
     }
     parts = {
         "title": html.escape(title),

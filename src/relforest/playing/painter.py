@@ -16,20 +16,25 @@ from PIL import Image, ImageDraw, ImageFont
 from relforest.playing.frames import Frame, Stage, Thing
 from relforest.playing.shapes import Circle, Line, Point, Polygon, Shape, Text
 
-_FINE: Final = 3
+_FINE: Final = 2
 _SMALLEST: Final = 9.0
 _CAPTION: Final = 15.0
 _SMALL: Final = 13.0
-_MARGIN: Final = 20.0
+_MARGIN: Final = 14.0
+_HEADER: Final = 32
 _DASH: Final = 3.0
 _HALO: Final = 2.0
 
 
 def picture_shape(stage: Stage) -> tuple[int, int]:
-    """Return the height and width in pixels of all pictures of a stage; both are even, as for videos."""
+    """Return the height and width in pixels of all pictures of a stage; both are even, as for videos.
+
+    Above the view is a header for texts.
+    """
     left, right, low, high = stage.view
     scale = stage.pixels / max(right - left, high - low)
-    return 2 * max(round(scale * (high - low) / 2), 1), 2 * max(round(scale * (right - left) / 2), 1)
+    height, width = (2 * max(round(scale * side / 2), 1) for side in (high - low, right - left))
+    return height + _HEADER, width
 
 
 def paint(stage: Stage, frame: Frame) -> NDArray[np.uint8]:
@@ -57,13 +62,12 @@ def paint(stage: Stage, frame: Frame) -> NDArray[np.uint8]:
     for thing in frame.things:
         brush.draw(thing.shapes, thing)
     brush.draw(frame.notes, Thing("", (), 0.0, 0.0))
-    right = width - _MARGIN
-    brush.write(frame.caption, (_MARGIN, _MARGIN), _CAPTION, "ink", side=-1.0, bold=True)
-    brush.write(f"{frame.time:.1f} s", (right, _MARGIN), _SMALL, "grey", side=1.0)
+    brush.cover_header()
+    words = f"{frame.time:.1f} s"
     if frame.score is not None:
-        row = 2 * _MARGIN if frame.caption else _MARGIN
-        score = f"{stage.score_name} {frame.score:.2f}".replace("-", "\N{MINUS SIGN}")
-        brush.write(score, (_MARGIN, row), _SMALL, "grey", side=-1.0)
+        words = f"{stage.score_name} {frame.score:.2f}, ".replace("-", "\N{MINUS SIGN}") + words
+    brush.write(words, (width - _MARGIN, _HEADER / 2), _SMALL, "grey", side=1.0)
+    brush.write(frame.caption, (_MARGIN, _HEADER / 2), _CAPTION, "ink", side=-1.0, bold=True)
     return np.asarray(image.reduce(_FINE))
 
 
@@ -72,13 +76,14 @@ class _Brush:
     """Draws shapes of a world on an enlarged image; sizes of texts and places in `write` are final pixels."""
 
     def __init__(self, image: Image.Image, stage: Stage, things: tuple[Thing, ...]) -> None:
-        self._draw = ImageDraw.Draw(image, "RGBA")
-        self._stage = stage
+        self._draw, self._glaze = ImageDraw.Draw(image), ImageDraw.Draw(image, "RGBA")
+        self._stage, self._width = stage, image.width
         left, right, low, high = stage.framed(things)
-        self._scale = min(image.width / (right - left), image.height / (high - low))
+        room = image.height - _HEADER * _FINE
+        self._scale = min(image.width / (right - left), room / (high - low))
         self._column = image.width / 2 - self._scale * (left + right) / 2
         # What stands on the ground stays there while the picture zooms out.
-        spare = 0.0 if stage.widest else (image.height - self._scale * (high - low)) / 2
+        spare = 0.0 if stage.widest else (room - self._scale * (high - low)) / 2
         self._row = image.height - spare + self._scale * low
 
     def draw(self, shapes: Sequence[Shape], thing: Thing) -> None:
@@ -90,7 +95,7 @@ class _Brush:
                 case Polygon():
                     corners = [self._pixel(corner, thing) for corner in shape.corners]
                     if shape.fill:
-                        self._draw.polygon(corners, self._stage.shade(shape.fill))
+                        self._fill(corners, self._stage.shade(shape.fill))
                     if shape.edge:
                         self._stroke([*corners, corners[0]], shape.edge, shape.width, dashed=shape.dashed)
                 case Line():
@@ -102,7 +107,12 @@ class _Brush:
                     column, row = self._pixel(shape.at, thing)
                     size = max(self._scale * shape.size / _FINE, _SMALLEST)
                     place = (column / _FINE, row / _FINE)
-                    self.write(shape.words, place, size, shape.color, side=shape.side, halo=shape.halo)
+                    words, color, bold = shape.words, shape.color, shape.bold
+                    self.write(words, place, size, color, side=shape.side, halo=shape.halo, bold=bold)
+
+    def cover_header(self) -> None:
+        """Hide what reaches into the header."""
+        self._draw.rectangle((0, 0, self._width, _HEADER * _FINE - 1), self._stage.shade("paper"))
 
     def write(
         self,
@@ -120,7 +130,7 @@ class _Brush:
             (at[0] * _FINE, at[1] * _FINE),
             words,
             self._stage.shade(color),
-            _font(round(size * _FINE), bold=bold or bool(halo)),
+            _font(round(size * _FINE), bold=bold),
             anchor=("lm", "mm", "rm")[round(side) + 1],
             stroke_width=_HALO * _FINE if halo else 0,
             stroke_fill=self._stage.shade(halo) if halo else None,
@@ -131,6 +141,10 @@ class _Brush:
         x = thing.x + along * point[0] - across * point[1]
         y = thing.y + across * point[0] + along * point[1]
         return self._column + self._scale * x, self._row - self._scale * y
+
+    def _fill(self, corners: list[Point], shade: str) -> None:
+        # To blend colours takes ten times as long.
+        (self._draw if len(shade) == len("#rrggbb") else self._glaze).polygon(corners, shade)
 
     def _circle(self, shape: Circle, at: Point) -> None:
         half = self._scale * shape.width / 2 if shape.edge else 0.0

@@ -4,7 +4,7 @@
 // over time is a list of pairs: a tick, and what holds from then on. A look is a list of shapes in world units.
 const game = JSON.parse(document.getElementById("game").textContent);
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
-const TRAIL = 15, SMALLEST = 9, HEADER = 20;
+const TRAIL = 15, SMALLEST = 9, HEADER = 32;
 const state = { episode: 0, time: 0, playing: false, speed: 1, last: 0 };
 let colors = {}, rows = [], told = "", shown = "", trails = true;
 
@@ -58,11 +58,9 @@ function chip([label, color]) {
 
 function worded(words, tag = "span") {
   const element = make(tag);
-  element.append(...words.map((part) => (typeof part === "string" ? part : chip(part))));
+  element.append(...game.words[words].map((part) => (typeof part === "string" ? part : chip(part))));
   return element;
 }
-
-const plain = (words) => words.map((part) => (typeof part === "string" ? part : part[0])).join("");
 
 // What holds at a moment
 
@@ -143,12 +141,14 @@ function write(pen, text, x, y, size, color, { align = "center", weight = 650, h
   pen.fillText(text, x, y);
 }
 
-function cameraOf(width, height, [left, right, low, high]) {
+function cameraOf(width, height, [left, right, low, high], small) {
   const scale = Math.min(width / (right - left), height / (high - low));
   // What stands on the ground stays there; everything else is in the middle.
   const spare = game.widest ? 0 : (height - scale * (high - low)) / 2;
   return {
     scale,
+    // Small texts in small pictures could not be read.
+    least: small ? 0 : SMALLEST,
     place: ([x, y], [atX, atY, angle]) => {
       const along = Math.cos(angle), across = Math.sin(angle);
       const worldX = atX + along * x - across * y, worldY = atY + across * x + along * y;
@@ -200,9 +200,10 @@ const DRAW = {
     trace(pen, [barb(-2.6), tip, barb(2.6)]);
     stroke(pen, shape.color, scale * shape.width);
   },
-  text(pen, { scale, place }, shape, pose) {
+  text(pen, { scale, least, place }, shape, pose) {
+    if (!least && scale * shape.size < SMALLEST) return;
     const [x, y] = place(shape.at, pose), align = ["left", "center", "right"][Math.round(shape.side || 0) + 1];
-    write(pen, shape.words, x, y + 0.5, Math.max(scale * shape.size, SMALLEST), shape.color, { align, halo: shape.halo, weight: shape.halo ? 650 : 500 });
+    write(pen, shape.words, x, y + 0.5, Math.max(scale * shape.size, least), shape.color, { align, halo: shape.halo, weight: shape.bold ? 650 : 400 });
   },
 };
 
@@ -214,10 +215,11 @@ const HERE = [0, 0, 0];
 
 function draw(canvas, time, { small = false } = {}) {
   const episode = current(), tick = Math.floor(time), [pen, width, height] = sharp(canvas);
-  const camera = cameraOf(width, height, episode.frame);
+  const camera = cameraOf(width, small ? height : height - HEADER, episode.frame, small);
+  if (!small) pen.translate(0, HEADER);
   pen.lineJoin = "round";
   pen.fillStyle = colors.paper;
-  pen.fillRect(0, 0, width, height);
+  pen.fillRect(0, -HEADER, width, height + HEADER);
   drawLook(pen, camera, game.backdrop, HERE);
   if (trails && !small) drawTrails(pen, camera, time);
   for (const track of episode.tracks) {
@@ -226,9 +228,12 @@ function draw(canvas, time, { small = false } = {}) {
   }
   drawLook(pen, camera, at(episode.notes, tick), HERE);
   if (small) return;
-  write(pen, at(episode.captions, tick), 14, HEADER, 15, "ink", { align: "left" });
+  pen.translate(0, -HEADER);
+  pen.fillStyle = colors.paper;
+  pen.fillRect(0, 0, width, HEADER);
+  write(pen, at(episode.captions, tick), 14, HEADER / 2, 15, "ink", { align: "left" });
   const score = at(episode.scores, tick);
-  if (score !== null) write(pen, `${game.score} ${signed(score, 2)}`, width - 14, HEADER, 13, "grey", { align: "right", weight: 400 });
+  if (score !== null) write(pen, `${game.score} ${signed(score, 2)}`, width - 14, HEADER / 2, 13, "grey", { align: "right", weight: 400 });
 }
 
 function drawTrails(pen, camera, time) {
@@ -270,14 +275,14 @@ function listRows() {
   // What is decided again and again from tick to tick, such as to hold the ball, is one row.
   rows = [];
   for (const choice of current().choices) {
-    const name = plain(choice.words), previous = rows[rows.length - 1];
+    const previous = rows[rows.length - 1];
     const brief = choice.until - choice.from <= 1;
-    if (previous && previous.name === name && previous.brief && brief && choice.from - previous.until <= 0) {
+    if (previous && previous.words === choice.words && previous.brief && brief && choice.from - previous.until <= 0) {
       previous.times += 1;
       previous.until = choice.until;
       previous.lasts += choice.lasts;
       previous.reward += choice.reward;
-    } else rows.push({ ...choice, name, brief, times: 1 });
+    } else rows.push({ ...choice, brief, times: 1 });
   }
   const body = find("rows");
   body.replaceChildren(...rows.map((row) => {
@@ -502,7 +507,7 @@ function listen() {
 
 function start() {
   const [left, right, low, high] = game.view;
-  document.documentElement.style.setProperty("--aspect", (right - left) / (high - low));
+  document.documentElement.style.setProperty("--aspect", (right - left) / (high - low + 0.04 * (right - left)));
   find("subtitle").textContent = game.subtitle;
   find("legend").textContent = game.legend;
   find("detailed").hidden = !game.episodes.some((episode) => episode.details.some(([, lines]) => lines.length));

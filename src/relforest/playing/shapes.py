@@ -80,6 +80,7 @@ class Text:
         Colour of an outline that sets it off from what lies behind.
     side : float
         0: centred at the point; -1: begins there; 1: ends there.
+    bold : bool
     """
 
     words: str
@@ -88,6 +89,7 @@ class Text:
     color: str = "ink"
     halo: str = ""
     side: float = 0.0
+    bold: bool = False
 
 
 Shape: TypeAlias = Circle | Polygon | Line | Text

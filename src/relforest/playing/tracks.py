@@ -30,24 +30,34 @@ _ABSENT: Final = -1
 
 
 @final
-class Looks:
-    """The table of all that is drawn: tuples of shapes, each written once."""
+class Tables:
+    """All that is drawn and said: tuples of shapes, and words, each written once."""
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
         self._numbers: dict[tuple[Shape, ...], int] = {}
         # Frames share most tuples, and hashing shapes takes long; they are kept, so that ids stay theirs.
         self._known: dict[int, tuple[int, tuple[Shape, ...]]] = {}
-        self.table: list[list[dict[str, Any]]] = []
+        self._said: dict[Words, int] = {}
+        self.looks: list[list[dict[str, Any]]] = []
+        self.words: list[list[Any]] = []
 
-    def number(self, shapes: tuple[Shape, ...]) -> int:
-        """Return the number of some shapes in the table."""
+    def look(self, shapes: tuple[Shape, ...]) -> int:
+        """Return the number of some shapes in the table of looks."""
         if id(shapes) not in self._known:
             if shapes not in self._numbers:
-                self._numbers[shapes] = len(self.table)
-                self.table.append([self._written(shape) for shape in shapes])
+                self._numbers[shapes] = len(self.looks)
+                self.looks.append([self._written(shape) for shape in shapes])
             self._known[id(shapes)] = self._numbers[shapes], shapes
         return self._known[id(shapes)][0]
+
+    def said(self, words: Words) -> int:
+        """Return the number of some words in the table of words."""
+        key = tuple(words)
+        if key not in self._said:
+            self._said[key] = len(self.words)
+            self.words.append([list(part) if isinstance(part, Chip) else part for part in key])
+        return self._said[key]
 
     def _written(self, shape: Shape) -> dict[str, Any]:
         parts = asdict(shape)
@@ -58,7 +68,7 @@ class Looks:
         return {"kind": type(shape).__name__.lower(), **plain}
 
 
-def episode_data(recording: Recording, looks: Looks) -> dict[str, Any]:
+def episode_data(recording: Recording, tables: Tables) -> dict[str, Any]:
     """Return an episode as plain values for JSON.
 
     Raises
@@ -73,37 +83,38 @@ def episode_data(recording: Recording, looks: Looks) -> dict[str, Any]:
     # The latest frame of each tick, and how far it is to the next one.
     latest = np.searchsorted(times, start + ticks / rate + 1e-9, side="right") - 1
     following = np.minimum(latest + 1, len(frames) - 1)
+    # Ticks beside a decision show the very moment, in which the world rests.
+    moments = np.array([time for choice in recording.choices for time in (choice.begin, choice.end)])
+    latest[_ticks(moments, recording)] = np.searchsorted(times, moments)
     gaps = times[following] - times[latest]
     shares = np.where(gaps > 0, (start + ticks / rate - times[latest]) / np.where(gaps > 0, gaps, 1.0), 0.0)
     shares = np.clip(shares, 0.0, 1.0)
     shown = [frames[number] for number in latest]
     return {
-        "start": _rounded(start),
         "ticks": len(ticks),
         "tracks": [
-            _track(track, (latest, following, shares), recording.stage) for track in _tracks(frames, looks)
+            _track(track, (latest, following, shares), recording.stage) for track in _tracks(frames, tables)
         ],
-        "notes": _changes(looks.number(frame.notes) for frame in shown),
+        "notes": _changes(tables.look(frame.notes) for frame in shown),
         "captions": _changes(frame.caption for frame in shown),
         "scores": _changes(_rounded(frame.score) for frame in shown),
         "bands": _changes(frame.band for frame in shown),
-        "details": _changes([_words(words) for words in frame.details] for frame in shown),
-        "choices": [_choice(choice, start, rate) for choice in recording.choices],
+        "details": _changes([tables.said(words) for words in frame.details] for frame in shown),
+        "choices": [_choice(choice, tables, recording) for choice in recording.choices],
         "reward": _rounded(recording.reward),
         "end": recording.end,
     }
 
 
-def _tracks(frames: Sequence[Frame], looks: Looks) -> Iterable[tuple[NDArray[np.float64], str]]:
-    """Yield for each thing a table, (n_frames, 4) of look, x, y and angle, and the colour of its trail."""
-    tables: dict[str, NDArray[np.float64]] = {}
-    trails: dict[str, str] = {}
+def _tracks(frames: Sequence[Frame], tables: Tables) -> list[tuple[NDArray[np.float64], str]]:
+    """Return for each thing its (n_frames, 4) looks, x, y and angles, and the colour of its trail."""
+    tracks: dict[str, tuple[NDArray[np.float64], str]] = {}
     for row, frame in enumerate(frames):
         for key, shapes, x, y, angle, trail in frame.things:
-            if key not in tables:
-                tables[key], trails[key] = np.full((len(frames), 4), np.nan), trail
-            tables[key][row] = looks.number(shapes), x, y, angle
-    return [(table, trails[key]) for key, table in tables.items()]
+            if key not in tracks:
+                tracks[key] = np.full((len(frames), 4), np.nan), trail
+            tracks[key][0][row] = tables.look(shapes), x, y, angle
+    return list(tracks.values())
 
 
 def _track(
@@ -142,24 +153,27 @@ def _changes(values: Iterable[Any]) -> list[list[Any]]:
     return changes
 
 
-def _choice(choice: Choice, start: float, rate: float) -> dict[str, Any]:
+def _ticks(moments: NDArray[np.float64], recording: Recording) -> NDArray[np.int64]:
+    """Return the ticks nearest to some moments."""
+    since = moments - recording.frames[0].time
+    return np.rint(since * recording.stage.rate).astype(np.int64)
+
+
+def _choice(choice: Choice, tables: Tables, recording: Recording) -> dict[str, Any]:
+    begin, end = _ticks(np.array([choice.begin, choice.end]), recording).tolist()
     known = choice.values is not None and any(math.isfinite(value) for value in choice.values)
     return {
-        "from": round((choice.begin - start) * rate),
-        "until": round((choice.end - start) * rate),
+        "from": begin,
+        "until": end,
         "lasts": _rounded(choice.end - choice.begin),
-        "words": _words(choice.words),
+        "words": tables.said(choice.words),
         "reward": _rounded(choice.reward),
-        "options": [_words(words) for words in choice.options],
+        "options": [tables.said(words) for words in choice.options],
         "chosen": choice.chosen,
         "values": [_rounded(value) if math.isfinite(value) else None for value in choice.values or ()]
         if known
         else None,
     }
-
-
-def _words(words: Words) -> list[Any]:
-    return [list(part) if isinstance(part, Chip) else part for part in words]
 
 
 def _rounded(value: Any) -> Any:  # noqa: ANN401 - any plain value

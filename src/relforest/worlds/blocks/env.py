@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from relforest.playing.frames import Frame, Stage
-from relforest.playing.shapes import Words
+from relforest.playing.shapes import Shape, Words
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.support.options import between, one_of
@@ -144,6 +144,7 @@ class BlocksEnv(WorldEnv):
         self._last: Command | None = None
         self._reward = 0.0
         self._runs = False
+        self._marks: tuple[float, tuple[Shape, ...]] = (0.0, ())
 
     @property
     def simulation(self) -> BlocksSimulation:
@@ -250,22 +251,28 @@ class BlocksEnv(WorldEnv):
         self._simulation.watch = self._watching
 
     def _frame(self) -> Frame:
-        simulation, state = self._simulation, self._simulation.state
+        simulation, state, runs = self._simulation, self._simulation.state, self._runs
         blocks = (state.half_extents, simulation.poses, state.colors, state.ids.tolist())
-        things = block_things(*blocks, command=self._last)
+        things = block_things(*blocks, command=self._last if runs else None)
         if self.task.name == "high-towers" and len(state):
             things = (*things, mean_line(float(state.poses[:, 1].mean())))
-        if simulation.held is not None and simulation.tool is not None:
+        if simulation.tool is not None and (simulation.held is not None or not runs):
             things = (*things, grip(simulation.tool))
-        notes = target_of(self._last) if self._runs and self._last else ()
-        falls = self._runs and self._last is None
+        if not runs:
+            self._marks = simulation.time, marks_of(state, self.task)
+        since, marks = self._marks
+        # What the last score was based on is shown for another second.
+        notes = marks if simulation.time - since < 1.0 else ()
+        if runs and self._last is not None:
+            notes = (*notes, *target_of(self._last))
+        falls = runs and self._last is None
         return Frame(
             time=simulation.time,
             things=things,
-            notes=notes if self._runs else marks_of(state, self.task),
+            notes=() if falls else notes,
             caption="drop" if falls else self._caption(),
             score=None if falls else self._moment.score,
-            band="" if self._last is None else ("wood", "edge")[(self._taken - (not self._runs)) % 2],
+            band="" if self._last is None else ("wood", "edge")[(self._taken - (not runs)) % 2],
         )
 
     def _caption(self) -> str:

@@ -6,7 +6,7 @@ where a block is moved to. A ring is where the robot holds a block. What a score
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Final
 
@@ -49,7 +49,7 @@ _SIGNS: Final = (
 # Half the width that is always in view: blocks are dropped up to 30 from the middle and reach 9 farther.
 _SIDE: Final = 40.0
 _REACH: Final = 9.0
-_HIGH: Final = 50.0
+_HIGH: Final = 46.0
 _LOW: Final = -4.0
 _PIN: Final = 0.11
 _WIDE: Final = 2 * TABLE_HALF_WIDTH
@@ -148,7 +148,9 @@ def marks_of(state: BlocksState, task: Task) -> tuple[Shape, ...]:
         return ()
     opening = box(arch.low_x, arch.high_x, arch.low_y, arch.high_y)
     middle = ((arch.low_x + arch.high_x) / 2, (arch.low_y + arch.high_y) / 2)
-    return Polygon(opening, "#1f7a5c50", "mark", 1.5 * _PIN), Text(f"{arch.score:.1f}", middle, 1.5, "ink")
+    return Polygon(opening, "#1f7a5c50", "mark", 1.5 * _PIN), Text(
+        f"{arch.score:.1f}", middle, 1.5, "ink", bold=True
+    )
 
 
 def target_of(command: Command) -> tuple[Shape, ...]:
@@ -156,14 +158,14 @@ def target_of(command: Command) -> tuple[Shape, ...]:
     if command.name != MOVE.name:
         return ()
     x = float(command.arguments[1])
-    return (Line(((x, 0.0), (x, _HIGH - 6)), "choice", 1.5 * _PIN, dashed=True),)
+    return (Line(((x, 0.0), (x, _HIGH - 4)), "choice", 1.5 * _PIN, dashed=True),)
 
 
-def option_words(command: Command, colors: dict[int, tuple[float, float, float]]) -> Words:
+def option_words(command: Command, colors: Mapping[int, Sequence[float]]) -> Words:
     """Return an option in words, such as "put 3 on 1", with the blocks, id -> colour, in their colours."""
     words: list[str | Chip] = [command.name]
     for argument, block in enumerate(_blocks_of(command)):
-        words += [" on " if argument else " ", Chip(str(block), _hex(colors[block]))]
+        words += [" on " if argument else " ", Chip(str(block), _hex(tuple(colors[block])))]
     if command.name == MOVE.name:
         words.append(f" to {command.arguments[1]:.1f}".replace("-", "\N{MINUS SIGN}"))
     return tuple(words)
@@ -194,7 +196,7 @@ def _stacks_of(state: BlocksState, task: Task) -> list[tuple[Shape, ...]]:
         left, right = float(bounds[members, 0].min()), float(bounds[members, 1].max())
         score = f"{task.score(stack):.2f}".replace("-", "\N{MINUS SIGN}")
         line = Line(((left, -0.8), (right, -0.8)), "mark", 3 * _PIN)
-        marks.append((line, Text(score, ((left + right) / 2, -2.2), 1.4, "mark")))
+        marks.append((line, Text(score, ((left + right) / 2, -2.2), 1.4, "mark", bold=True)))
     return marks
 
 
@@ -220,7 +222,7 @@ def _block(half: tuple[float, float], color: str, label: str, place: int) -> tup
     frame = (Polygon(grown, edge="choice", width=0.25, dashed=place > 0),) if place >= 0 else ()
     # As large as fits at any angle; where that is too small to be read, its outline sets it off.
     size = min(1.7, 1.1 * min(wide, high))
-    words = (Text(label, (0.0, 0.0), size, _over(color), color),) if label else ()
+    words = (Text(label, (0.0, 0.0), size, _over(color), color, bold=True),) if label else ()
     return (body, *frame, *words)
 
 

@@ -53,8 +53,8 @@ _ENDS: Final = {
 }
 _SHORTEST: Final = 0.25
 _LEGEND: Final = (
-    "Keepers are yellow with numbers, takers are blue; the short line shows which way a player faces. The ring "
-    "is as far as the keeper that decides can kick, and an arrow is a pass. A tick is a tenth of a second. "
+    "Keepers are yellow with numbers, takers are blue; the short line shows which way a player faces. The "
+    "ring is as far as the keeper that decides can kick, and an arrow is a pass. A tick is a tenth of a second. "
     "Players and ball are drawn larger than they are. The band over the slider tells who can kick: yellow a "
     "keeper, blue a taker."
 )
@@ -134,7 +134,7 @@ def _player(number: int, size: float, *, chosen: bool) -> tuple[Shape, ...]:
     nose = Line(((0.0, 0.0), (1.45 * size, 0.0)), "ink", 0.36 * size)
     disc = Circle((0.0, 0.0), 0.93 * size, "keeper" if number else "taker", "rim", 0.14 * size)
     ring = (Circle((0.0, 0.0), max(REACH, 1.5 * size), edge="choice", width=0.18 * size),) if chosen else ()
-    name = (Text(str(number), (0.0, 0.0), 1.1 * size, "#262626"),) if number else ()
+    name = (Text(str(number), (0.0, 0.0), 1.1 * size, "#262626", bold=True),) if number else ()
     return (*ring, nose, disc, *name)
 
 
