@@ -8,7 +8,7 @@ import pytest
 from interpreted import compiled_only
 from keepaway_games import game
 from relforest.support.rng import stream
-from relforest.worlds.keepaway.advance import ASK, HAND, HOLD, NOBODY, RANDOM, advance
+from relforest.worlds.keepaway.advance import ASK, HAND, HOLD, NOBODY, RANDOM, UNFINISHED, advance
 from relforest.worlds.keepaway.games import (
     END,
     KICK,
@@ -161,3 +161,15 @@ def test_random_decisions_lead_nowhere_strange(options: KeepawayOptions) -> None
         assert (np.abs(games.players[0, :, 1]) < setup.width / 2 + 20.0).all()
         assert (np.hypot(games.players[0, :, 2], games.players[0, :, 3]) <= 0.4 * 1.155).all()
         assert np.hypot(*games.ball[0, 2:]) <= 0.94 * 3.15
+
+
+def test_a_game_can_be_played_cycle_by_cycle() -> None:
+    whole, parts, work = game(SETUP), game(SETUP), new_work(SETUP)
+    assert advance(parts, 0, SETUP, ASK, -1, work, None, 0) == UNFINISHED
+    actor, cycles = UNFINISHED, 0
+    while actor == UNFINISHED:
+        actor, cycles = advance(parts, 0, SETUP, ASK, -1, work, None, 1), cycles + 1
+
+    assert advance(whole, 0, SETUP, ASK, -1, new_work(SETUP)) == actor
+    assert same(whole, parts)
+    assert cycles == whole.counters[0, TIME] + 1

@@ -176,10 +176,13 @@ class BlocksEnv(WorldEnv):
         self.check_running()
         one_of("action", name, [action_type.name for action_type in self.task.action_types])
         command = Command(name, arguments)
-        self._last, self._runs = command, True
         self._watch_simulation()
+        before, self._last, self._runs = self._last, command, True
         try:
             result = run_command(self.simulation, command, self._handling)
+        except InputError:
+            self._last = before
+            raise
         finally:
             self._runs = False
         step = self._stepped(command, result)
