@@ -16,7 +16,7 @@ from relforest.worlds.blocks.env import high_towers_env
 from relforest.worlds.blocks.policies import make_policy
 from relforest.worlds.environment import WorldEnv
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 TASKS = ("high-towers", "color-grouping", "arch")
 SHORT = ("play", "keepaway", "--max-cycles", "40")

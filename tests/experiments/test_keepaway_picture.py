@@ -12,7 +12,7 @@ from relforest.experiments.sarsa_folder import write_iteration
 from relforest.experiments.tasks import task_named
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.errors import InputError
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 
 @pytest.mark.parametrize(("keepers", "takers"), [(2, 1), (3, 2), (4, 3), (6, 5)])

@@ -16,7 +16,7 @@ from relforest.support.rng import seed_sequence
 from relforest.worlds.blocks.env import high_towers_env
 from relforest.worlds.corridor.env import CorridorEnv
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 RULES = KeepawayOptions(max_cycles=15)
 ROW = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
@@ -45,8 +45,10 @@ def test_what_smrf_rpi_learned_plays_with_other_numbers_of_players(tmp_path: Pat
     assert isinstance(policy, AgentPolicy)
     (recording,) = record_episodes(larger, policy)
 
-    assert all(choice.values is not None and len(choice.values) == 4 for choice in recording.choices)
-    assert np.isfinite([choice.values for choice in recording.choices]).all()
+    for choice in recording.choices:
+        assert choice.values is not None
+        assert len(choice.values) == 4
+        assert np.isfinite(choice.values).all()
     with pytest.raises(InputError, match="use a world with the same attributes"):
         learned_policy(tmp_path, CorridorEnv())
 

@@ -13,6 +13,7 @@ from playing.toy_world import DISC, STAGE, ToyWorld
 from relforest.playing.frames import Frame, Stage, Thing
 from relforest.playing.page import page
 from relforest.playing.recorder import Choice, Recording, record_episodes
+from relforest.playing.shapes import Circle
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 
@@ -192,7 +193,7 @@ def test_what_cannot_be_shown_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
         page([recorded(), replace(recorded(), stage=Stage((0.0, 1.0, 0.0, 1.0)))])
     far = Frame(9.0, (Thing("disc", DISC, np.inf, 0.0),))
     wrong = Frame(9.0, (), score=np.nan)
-    red = Frame(9.0, (Thing("disc", (replace(DISC[0], fill="red"),), 0.0, 0.0),))
+    red = Frame(9.0, (Thing("disc", (Circle((0.0, 0.0), 1.0, "red"),), 0.0, 0.0),))
     for frame, message in ((far, "not finite"), (wrong, "not finite"), (red, "'red' is no colour")):
         with pytest.raises(InputError, match=message):
             page([replace(recorded(), frames=(*recorded().frames, frame))])

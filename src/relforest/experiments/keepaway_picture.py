@@ -16,10 +16,10 @@ from relforest.rl.rollout import Environment
 from relforest.rl.rpi import SMRFRPI
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
+from relforest.worlds.keepaway.decisions.scene import decision, describe, objects
+from relforest.worlds.keepaway.decisions.variables import by_distance
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.layout import BODY, Setup
-from relforest.worlds.keepaway.scene import decision, describe, objects
-from relforest.worlds.keepaway.variables import by_distance
+from relforest.worlds.keepaway.server.layout import BODY, Setup
 
 _STEP: Final = 0.5
 _ACTOR: Final = 0

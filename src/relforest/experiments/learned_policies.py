@@ -17,8 +17,8 @@ from relforest.rl.rpi import SMRFRPI
 from relforest.rl.value import ValueFunction
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
+from relforest.worlds.keepaway.decisions.variables import n_variables
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.variables import n_variables
 
 if TYPE_CHECKING:
     import gymnasium

@@ -21,7 +21,7 @@ from relforest.support.files import append_line
 from relforest.support.locks import FolderLock
 from relforest.support.progress import part
 from relforest.support.rng import seed_sequence, stream
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 _TRAINING: Final = 0
 _TESTING: Final = 1

@@ -10,12 +10,12 @@ from relforest.playing.frames import Frame
 from relforest.playing.painter import paint
 from relforest.playing.recorder import Recording, record_episodes
 from relforest.playing.shapes import Circle, Line, Text, plain
-from relforest.worlds.keepaway.batch import Batch
+from relforest.worlds.keepaway.decisions.scene import NOBODY
 from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.frames import game_frame, game_stage
-from relforest.worlds.keepaway.layout import DASH, END, KICK, OUT, TURN
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.scene import NOBODY
+from relforest.worlds.keepaway.play.batch import Batch
+from relforest.worlds.keepaway.server.layout import DASH, END, KICK, OUT, TURN
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 SETUP = KeepawayOptions().setup()
 

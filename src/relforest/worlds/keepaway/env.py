@@ -13,12 +13,12 @@ from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
 from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.environment import Arrays, Info, Policies, Step, WorldEnv
-from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, Batch
+from relforest.worlds.keepaway.decisions.policies import HandCodedPolicy, HoldPolicy, RandomPolicy
+from relforest.worlds.keepaway.decisions.scene import ACTION_TYPES, NOBODY, SCHEMA
 from relforest.worlds.keepaway.frames import game_frame, game_stage, player_chip
-from relforest.worlds.keepaway.layout import CAPPED, OUT, PLAYING, SECOND, TAKEN
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.policies import HandCodedPolicy, HoldPolicy, RandomPolicy
-from relforest.worlds.keepaway.scene import ACTION_TYPES, NOBODY, SCHEMA
+from relforest.worlds.keepaway.play.batch import DISCOUNT, END_NAMES, Batch
+from relforest.worlds.keepaway.server.layout import CAPPED, OUT, PLAYING, SECOND, TAKEN
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.spaces import action_space, observation_space
 from relforest.worlds.viewing import viewable
 
@@ -46,7 +46,7 @@ class KeepawayEnv(WorldEnv):
     - ``last_times`` (keepers,): when each keeper last had the ball in this episode, before this moment; -1 =
       not yet. This may be later than its last decision: a cycle in which it finished a pass counts too, as
       for the benchmark's learners, which receive the reward ``time - last_times[actor]``.
-    - ``variables``: the state variables of the benchmark, see `relforest.worlds.keepaway.variables`.
+    - ``variables``: the state variables of the benchmark, see `decisions.variables`.
     - ``without_decision``, after a reset: the number of episodes that were skipped because they ended before
       any keeper had the ball.
     - ``end``, at the end: ``"out"``, ``"taken"`` or ``"capped"``.

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from relforest.playing.frames import Frame, Stage, Thing
 from relforest.playing.shapes import Chip, Circle, Line, Polygon, Shape, Text, Words, box
-from relforest.worlds.keepaway.batch import Batch
-from relforest.worlds.keepaway.layout import (
+from relforest.worlds.keepaway.decisions.scene import NOBODY
+from relforest.worlds.keepaway.play.batch import Batch
+from relforest.worlds.keepaway.server.layout import (
     BODY,
     CAPPED,
     DASH,
@@ -32,8 +33,7 @@ from relforest.worlds.keepaway.layout import (
     TURN,
     Setup,
 )
-from relforest.worlds.keepaway.referee import REACH
-from relforest.worlds.keepaway.scene import NOBODY
+from relforest.worlds.keepaway.server.referee import REACH
 
 COLORS: Final = {
     "grass": ("#d9e5d4", "#2b3a2e"),
@@ -54,9 +54,9 @@ _ENDS: Final = {
 _SHORTEST: Final = 0.25
 _LEGEND: Final = (
     "Keepers are yellow with numbers, takers are blue; the short line shows which way a player faces. The "
-    "ring is as far as the keeper that decides can kick, and an arrow is a pass. A tick is a tenth of a second. "
-    "Players and ball are drawn larger than they are. The band over the slider tells who can kick: yellow a "
-    "keeper, blue a taker."
+    "ring is as far as the keeper that decides can kick, and an arrow is a pass. A tick is a tenth of a "
+    "second. Players and ball are drawn larger than they are. The band over the slider tells who can kick: "
+    "yellow a keeper, blue a taker."
 )
 
 

@@ -18,12 +18,12 @@ from relforest.support.errors import InputError
 from relforest.support.options import at_least, between
 from relforest.support.rng import seed_sequence
 from relforest.worlds.arguments import RENDER_MODES, checked_render_mode, checked_reset_options, checked_seed
-from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, RESTART, Batch
+from relforest.worlds.keepaway.decisions.scene import ACTION_TYPES, SCHEMA
 from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.frames import game_frame, game_stage
-from relforest.worlds.keepaway.layout import CAPPED, PLAYING
-from relforest.worlds.keepaway.options import KeepawayOptions, Rules
-from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
+from relforest.worlds.keepaway.play.batch import DISCOUNT, END_NAMES, RESTART, Batch
+from relforest.worlds.keepaway.server.layout import CAPPED, PLAYING
+from relforest.worlds.keepaway.server.options import KeepawayOptions, Rules
 from relforest.worlds.keepaway.spaces import action_space, observation_space
 
 _Arrays = dict[str, NDArray[Any]]
