@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.table import Table
+from relforest.metrics import NORMAL_95
 
 Key: TypeAlias = tuple[str, str, str]
 """Part, condition and measure."""
 
-_NORMAL_95 = 1.96
 _NOTHING = np.empty(0)
 
 
@@ -36,7 +36,7 @@ class Mean:
     def of(cls, values: NDArray[np.float64]) -> Mean:
         """Return the mean of (n,) values."""
         n = len(values)
-        error = _NORMAL_95 * float(values.std(ddof=1)) / n**0.5 if n > 1 else float("nan")
+        error = NORMAL_95 * float(values.std(ddof=1)) / n**0.5 if n > 1 else float("nan")
         return cls(float(values.mean()) if n else float("nan"), error)
 
     def minus(self, other: Mean) -> Mean:

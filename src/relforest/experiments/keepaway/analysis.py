@@ -25,6 +25,7 @@ from relforest.experiments.keepaway.settings import (
     SPEED_BOUNDS,
 )
 from relforest.experiments.table import Table, aligned
+from relforest.metrics import NORMAL_95
 from relforest.reports.style import BLUE, GREY, INK, ORANGE, PALE, styled
 
 _BENCHMARK = "3v2"
@@ -32,7 +33,6 @@ _LEARNERS: Mapping[str, tuple[str, str]] = {
     SEPARATE: ("every keeper learns alone", BLUE),
     SHARED: ("all learn from everyone", ORANGE),
 }
-_NORMAL_95 = 1.96
 
 
 def summarize(table: Table) -> Findings:
@@ -110,7 +110,7 @@ def _durations_text(table: Table) -> str:
     rows = []
     for game, policy in _played(table):
         found = {name: measure(table, DURATIONS, game, policy, name) for name in _COLUMNS}
-        error = _NORMAL_95 * found["sd"] / measure(table, DURATIONS, game, policy, "episodes") ** 0.5
+        error = NORMAL_95 * found["sd"] / measure(table, DURATIONS, game, policy, "episodes") ** 0.5
         quantiles = "/".join(f"{found[name]:.0f}" for name in ("q5", "q25", "q50", "q75", "q95"))
         mean = f"{found['mean']:.1f} +- {error:.1f}"
         rows.append((f"{game} {policy}", mean, f"{found['sd']:.1f}", quantiles, f"{found['taken']:.2f}"))

@@ -5,7 +5,8 @@ benchmark, as compiled kernels (Palmer (2015), section 7.5). Create it with
 ``gymnasium.make("relforest/Keepaway-v0")``; `episode_durations` plays many episodes without an environment.
 
 Start with ``server.layout``, the arrays of a game. `server` moves them, `players` choose commands,
-`decisions` are what a keeper with the ball sees and does, and `play` combines all in its one loop, ``play.advance``.
+`decisions` are what a keeper with the ball sees and does, and `play` combines all in its
+one loop, ``play.advance``.
 `env`, `vector`, `parallel` and `wrapper` are the environments; `frames` are what there is to see.
 """
 
