@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from relforest.worlds.keepaway.play.games import Games, Setup, new_games
+from relforest.worlds.keepaway.play.games import new_games
 from relforest.worlds.keepaway.server.bounds import Steps
+from relforest.worlds.keepaway.server.layout import Games, Setup
 from relforest.worlds.keepaway.server.physics import execute
 
 RECORDED = Path(__file__).parent / "data" / "keepaway-trajectories.npz"

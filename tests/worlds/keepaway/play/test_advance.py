@@ -9,17 +9,9 @@ from interpreted import compiled_only
 from keepaway_games import game
 from relforest.support.rng import stream
 from relforest.worlds.keepaway.play.advance import ASK, HAND, HOLD, NOBODY, RANDOM, UNFINISHED, advance
-from relforest.worlds.keepaway.play.games import (
-    END,
-    KICK,
-    NEXT,
-    PLAYING,
-    TIME,
-    Games,
-    Setup,
-    new_games,
-)
+from relforest.worlds.keepaway.play.games import new_games
 from relforest.worlds.keepaway.players.views import in_reach, new_work
+from relforest.worlds.keepaway.server.layout import END, KICK, NEXT, PLAYING, TIME, Games, Setup
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.server.referee import place
 

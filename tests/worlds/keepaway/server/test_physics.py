@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from keepaway_games import game, played, recorded_steps, scatter
-from relforest.worlds.keepaway.play.games import DASH, KICK, NONE, TURN, Games
 from relforest.worlds.keepaway.server.bounds import Steps, step_violations
+from relforest.worlds.keepaway.server.layout import DASH, KICK, NONE, TURN, Games
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.server.physics import execute, kick_noise, kick_rate, normalised, separate
 

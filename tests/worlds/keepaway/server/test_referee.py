@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from keepaway_games import game, scatter
-from relforest.worlds.keepaway.play.games import (
+from relforest.worlds.keepaway.server.layout import (
     BODY,
     CAPPED,
     END,

@@ -36,9 +36,9 @@ from relforest.worlds.keepaway.play.advance import (
     advance,
 )
 from relforest.worlds.keepaway.play.events import N_EVENTS, Tally, forget_events, new_tally
-from relforest.worlds.keepaway.play.games import Games, new_games
+from relforest.worlds.keepaway.play.games import new_games
 from relforest.worlds.keepaway.players.views import Work, new_work
-from relforest.worlds.keepaway.server.layout import END, TIME, Setup
+from relforest.worlds.keepaway.server.layout import END, TIME, Games, Setup
 from relforest.worlds.keepaway.server.options import MOST_CYCLES, KeepawayOptions, checked_options
 from relforest.worlds.keepaway.server.referee import place
 

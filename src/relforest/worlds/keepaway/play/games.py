@@ -7,66 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from relforest.worlds.keepaway.players.memory import N_MEMORY
-from relforest.worlds.keepaway.server.layout import (
-    BODY,
-    CAPPED,
-    DASH,
-    END,
-    EPISODE,
-    EXACT,
-    FULLSTATE,
-    KICK,
-    N_COUNTERS,
-    NEXT,
-    NONE,
-    OUT,
-    PERCEPTIONS,
-    PLAYING,
-    QUANTISED,
-    STUCK_COUNT,
-    TAKE_COUNT,
-    TAKEN,
-    TIME,
-    TURN,
-    VX,
-    VY,
-    Games,
-    Setup,
-    X,
-    Y,
-)
+from relforest.worlds.keepaway.server.layout import N_COUNTERS, Games, Setup
 from relforest.worlds.keepaway.server.randomness import stream_states
 from relforest.worlds.keepaway.server.referee import place
-
-__all__ = [
-    "BODY",
-    "CAPPED",
-    "DASH",
-    "END",
-    "EPISODE",
-    "EXACT",
-    "FULLSTATE",
-    "KICK",
-    "NEXT",
-    "NONE",
-    "N_COUNTERS",
-    "OUT",
-    "PERCEPTIONS",
-    "PLAYING",
-    "QUANTISED",
-    "STUCK_COUNT",
-    "TAKEN",
-    "TAKE_COUNT",
-    "TIME",
-    "TURN",
-    "VX",
-    "VY",
-    "Games",
-    "Setup",
-    "X",
-    "Y",
-    "new_games",
-]
 
 
 def new_games(setup: Setup, seeds: Sequence[np.random.SeedSequence]) -> Games:
