@@ -12,7 +12,7 @@ from peers import keepaway, keepaway_agreement
 from table import Cell, Table
 
 from relforest.worlds.keepaway import KeepawayOptions, play_episodes
-from relforest.worlds.keepaway.advance import HAND, HOLD, RANDOM
+from relforest.worlds.keepaway.play.advance import HAND, HOLD, RANDOM
 
 GAMES = ((3, 2, 20.0), (4, 3, 25.0), (5, 4, 30.0), (6, 5, 35.0))
 """Keepers, takers, and the side of the field in metres."""

@@ -8,8 +8,9 @@ import matplotlib.image
 import numpy as np
 
 from relforest import Scenes
+from relforest.playing import Frame, paint
 from relforest.worlds.blocks import balance_scale_scenes, drop_on_scenes
-from relforest.worlds.blocks.viewer import BlocksViewer
+from relforest.worlds.blocks.frames import block_things, table_stage
 
 # The post and the beam of the scale are not objects of the scenes: half sizes and poses, drawn in grey.
 SCALE = (np.array([[1.0, 5.0], [10.0, 0.25]]), np.array([[0.0, 5.0, 0.0], [0.0, 10.25, 0.0]]))
@@ -23,12 +24,12 @@ def picture(scenes: Scenes, number: int, caption: str, beside: tuple[np.ndarray,
     )
     half_extents, poses = beside
     # The orientation of a scene is twice the angle of the longer side.
-    return BlocksViewer().draw(
+    blocks = block_things(
         np.concatenate([half_extents, extent]),
         np.concatenate([poses, np.column_stack([location, angle / 2])]),
         np.concatenate([np.full((len(poses), 3), 0.55), color]),
-        caption=caption,
     )
+    return paint(table_stage(), Frame(0.0, blocks, caption=caption))
 
 
 rng = np.random.default_rng(3)

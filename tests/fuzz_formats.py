@@ -54,7 +54,7 @@ from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
 from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.volumes import Slab
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 from reports.drawn_trees import NEAR, five_questions, one_question, question, scenes_of
 from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
 from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes

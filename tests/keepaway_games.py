@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from relforest.worlds.keepaway.bounds import Steps
-from relforest.worlds.keepaway.games import Games, Setup, new_games
-from relforest.worlds.keepaway.physics import execute
+from relforest.worlds.keepaway.play.games import new_games
+from relforest.worlds.keepaway.server.bounds import Steps
+from relforest.worlds.keepaway.server.layout import Games, Setup
+from relforest.worlds.keepaway.server.physics import execute
 
 RECORDED = Path(__file__).parent / "data" / "keepaway-trajectories.npz"
 """32 episodes of random play by three keepers against two takers, recorded from the RoboCup 2-D server,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from relforest.support.masks import refuse_masked
 from relforest.support.options import at_least, in_range
 
 __all__ = [
+    "NORMAL_95",
     "MeanInterval",
     "Moments",
     "mean_interval",
@@ -21,6 +22,9 @@ __all__ = [
     "sidak_level",
     "two_sample_p_value",
 ]
+
+NORMAL_95: Final = 1.96
+"""Half the width of a 95 % interval of a normal distribution, in standard deviations."""
 
 
 def peirce_skill_score(y_true: ArrayLike, y_pred: ArrayLike, *, pos_label: object = None) -> float:

@@ -3,28 +3,41 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import gymnasium
 import pytest
 
 from cli.command_lines import CommandLine
 from experiments.run_folders import write_run_of_sarsa
+from relforest.cli.play import WORLDS
 from relforest.experiments.keepaway_team import benchmark_team
+from relforest.playing import record_episodes
+from relforest.worlds import environment_id
 from relforest.worlds.blocks.env import high_towers_env
 from relforest.worlds.blocks.policies import make_policy
-from relforest.worlds.blocks.recorder import record_episodes
-from relforest.worlds.keepaway.durations import episode_durations
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.environment import WorldEnv
+from relforest.worlds.keepaway.env import KeepawayEnv
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 TASKS = ("high-towers", "color-grouping", "arch")
 SHORT = ("play", "keepaway", "--max-cycles", "40")
 
 
+@pytest.mark.parametrize("name", list(WORLDS))
+def test_the_policies_of_the_command_line_are_those_of_the_worlds(name: str) -> None:
+    env = gymnasium.make(environment_id(name)).unwrapped
+    assert isinstance(env, WorldEnv)
+    assert WORLDS[name].policies.keys() == env.policies.keys()
+
+
 def test_an_episode_is_described(run: CommandLine) -> None:
     outcome = run(*SHORT, "--policy", "hold", "--seed", "3")
-    (duration,) = episode_durations("hold", episodes=1, seed=3)
+    env = KeepawayEnv(max_cycles=40)
+    (episode,) = record_episodes(env, env.policies["hold"], seed=3)
 
     assert (outcome.code, outcome.err) == (0, "")
-    assert re.fullmatch(
-        rf"episode 1: {duration / 10:.1f} s, (the ball went out|a taker took the ball)\n", outcome.out
+    assert outcome.out == (
+        f"episode 1: {episode.duration:.1f} s, {len(episode.choices)} decisions, "
+        f"reward {episode.reward:.2f}, {episode.end}\n"
     )
 
 
@@ -35,14 +48,15 @@ def test_several_episodes_are_described_and_summarised(run: CommandLine) -> None
     assert len(lines) == 22
     assert lines[19].startswith("episode 20: ")
     assert lines[20] == "... and 2 more"
+    spread = r"\(standard deviation \d+\.\d\d, from \d+\.\d\d to \d+\.\d\d\)"
     assert re.fullmatch(
-        r"mean of 22: \d\.\d s \(standard deviation \d\.\d s, from \d\.\d to \d\.\d s\), \d+% taken",
-        lines[21],
+        rf"mean of 22: \d\.\d\d s {spread}, reward \d+\.\d\d {spread}(, \d+% (out|taken|capped))+", lines[21]
     )
 
 
 def test_episodes_that_take_too_long_are_cut_off(run: CommandLine) -> None:
-    assert run("play", "keepaway", "--max-cycles", "3").out == "episode 1: 0.3 s, cut off\n"
+    outcome = run("play", "keepaway", "--max-cycles", "20", "--policy", "hand")
+    assert re.fullmatch(r"episode 1: 2\.0 s, \d+ decisions, reward \d+\.00, capped\n", outcome.out)
 
 
 def test_a_page_is_written(run: CommandLine, tmp_path: Path) -> None:
@@ -90,7 +104,7 @@ def test_pages_are_replaced_only_on_demand(run: CommandLine, tmp_path: Path) -> 
         (("--seed", "-1"), "--seed must be an integer of at least 0, got -1"),
         (
             ("--policy", "careful"),
-            "--policy must be one of 'random', 'hold', 'hand', or a run folder, got 'careful'",
+            "--policy must be one of 'hand', 'hold', 'random', or a run folder, got 'careful'",
         ),
         (("--blocks", "4"), "--blocks belongs to high-towers, color-grouping, arch, not to keepaway"),
         (("--distance", "rgb"), "--distance belongs to color-grouping, not to keepaway: omit it"),
@@ -111,14 +125,21 @@ def test_a_learned_policy_plays(run: CommandLine, tmp_path: Path) -> None:
 
     assert run("play", "keepaway", "--policy", folder, "--max-cycles", "9", "--out", out).code == 0
     assert f'"subtitle":"learned in {folder}, ' in out.read_text("utf-8")
-    assert "is not a run of keepaway" in run("play", "keepaway", "--policy", tmp_path).err
+    assert "is not a run" in run("play", "keepaway", "--policy", tmp_path).err
 
 
 def test_unknown_worlds_are_refused(run: CommandLine) -> None:
-    outcome = run("play", "corridor")
+    outcome = run("play", "maze")
 
     assert outcome.code == 2
     assert "keepaway" in outcome.err
+
+
+def test_the_corridor_is_played(run: CommandLine, tmp_path: Path) -> None:
+    outcome = run("play", "corridor", "--out", tmp_path / "page.html")
+
+    assert (outcome.code, outcome.out) == (0, "episode 1: 10.0 s, 10 decisions, reward 6.00\n")
+    assert '"subtitle":"optimal policy, reward at both ends, seed 0"' in (tmp_path / "page.html").read_text()
 
 
 def test_an_episode_of_blocks_is_described(run: CommandLine) -> None:
@@ -128,9 +149,9 @@ def test_an_episode_of_blocks_is_described(run: CommandLine) -> None:
 
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out == (
-        f"episode 1: {episode.duration:.1f} s, {len(episode.options)} options, "
-        f"mean height from {episode.first_score:.2f} to {episode.last_score:.2f}, "
-        f"reward {episode.total_reward:.2f}\n"
+        f"episode 1: {episode.duration:.1f} s, {len(episode.choices)} decisions, "
+        f"mean height from {episode.scores[0]:.2f} to {episode.scores[-1]:.2f}, "
+        f"reward {episode.reward:.2f}\n"
     )
 
 
@@ -140,12 +161,13 @@ def test_several_episodes_of_blocks_are_described_and_summarised(run: CommandLin
 
     assert len(lines) == 22
     assert re.fullmatch(
-        r"episode 1: \d+\.\d s, 1 option, area of the arch from \d+\.\d\d to \d+\.\d\d, reward \d+\.\d\d",
+        r"episode 1: \d+\.\d s, 1 decision, area of the arch from \d+\.\d\d to \d+\.\d\d, reward \d+\.\d\d",
         lines[0],
     )
     assert lines[20] == "... and 2 more"
     assert re.fullmatch(
-        r"mean of 22: reward \d+\.\d\d \(standard deviation \d+\.\d\d, from 0\.00 to \d+\.\d\d\), "
+        r"mean of 22: \d+\.\d\d s \(standard .*\), "
+        r"reward \d+\.\d\d \(standard deviation \d+\.\d\d, from 0\.00 to \d+\.\d\d\), "
         r"final area of the arch \d+\.\d\d",
         lines[21],
     )
@@ -179,7 +201,8 @@ def test_blocks_and_colour_distances_can_be_chosen(run: CommandLine, tmp_path: P
 
     assert run("play", "color-grouping", *options, "--out", out).code == 0
     assert '"subtitle":"random policy, 3 blocks, rgb, seed 0"' in out.read_text("utf-8")
-    assert '"ids":[0,1,2]' in out.read_text("utf-8")
+    assert '"words":"2"' in out.read_text("utf-8")
+    assert '"words":"3"' not in out.read_text("utf-8")
 
 
 @pytest.mark.parametrize("task", TASKS)
@@ -191,7 +214,7 @@ def test_blocks_and_colour_distances_can_be_chosen(run: CommandLine, tmp_path: P
         (("--size", "20"), "--size belongs to keepaway, not to"),
         (("--perception", "exact"), "--perception belongs to keepaway, not to"),
         (("--max-cycles", "9"), "--max-cycles belongs to keepaway, not to"),
-        (("--policy", "hand"), "must be one of 'random', "),
+        (("--policy", "hand"), "--policy must be one of '"),
         (("--blocks", "0"), "--blocks must be an integer from 1 to "),
         (("--max-actions", "0"), "--max-actions must be an integer from 1 to 1000, got 0"),
         (("--episodes", "0"), "--episodes must be an integer of at least 1, got 0"),

@@ -12,7 +12,7 @@ from relforest.experiments.sarsa import SarsaLearner, Trained
 from relforest.rl.peers import SarsaSettings
 from relforest.runs import Run, RunStore
 from relforest.support.rng import seed_sequence
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 SMALL: Final = RunConfig("corridor", episodes=4, iterations=1, test_episodes=2)
 TWO_RUNS: Final = replace(SMALL, runs=2)

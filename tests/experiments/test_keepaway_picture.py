@@ -12,7 +12,7 @@ from relforest.experiments.keepaway_team import benchmark_team
 from relforest.experiments.tasks import task_named
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.errors import InputError
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 
 @pytest.mark.parametrize(("keepers", "takers"), [(2, 1), (3, 2), (4, 3), (6, 5)])

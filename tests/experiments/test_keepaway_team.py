@@ -8,8 +8,8 @@ import pytest
 from relforest.experiments.keepaway_team import benchmark_team, play_episodes_with, renewed
 from relforest.support.errors import InputError
 from relforest.support.rng import seed_sequence
-from relforest.worlds.keepaway.durations import play_episodes
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.play.durations import play_episodes
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 RULES = KeepawayOptions(max_cycles=30)
 SEED = seed_sequence(5)

@@ -9,18 +9,18 @@ import numpy as np
 
 from reference import keepaway as twin
 from reference import keepaway_sight as remembered
-from relforest.worlds.keepaway import memory as columns
-from relforest.worlds.keepaway.advance import HAND, NO_ACTION, NOBODY, choose_commands
-from relforest.worlds.keepaway.games import new_games
-from relforest.worlds.keepaway.layout import BODY, END, PLAYING, TIME, Games, Setup
-from relforest.worlds.keepaway.physics import execute
-from relforest.worlds.keepaway.referee import judge, place
-from relforest.worlds.keepaway.views import new_work
+from relforest.worlds.keepaway.play.advance import HAND, NO_ACTION, NOBODY, choose_commands
+from relforest.worlds.keepaway.play.games import new_games
+from relforest.worlds.keepaway.players import memory as columns
+from relforest.worlds.keepaway.players.views import new_work
+from relforest.worlds.keepaway.server.layout import BODY, END, PLAYING, TIME, Games, Setup
+from relforest.worlds.keepaway.server.physics import execute
+from relforest.worlds.keepaway.server.referee import judge, place
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from relforest.worlds.keepaway.views import Work
+    from relforest.worlds.keepaway.players.views import Work
 
 TOLERANCE = 1e-7
 """Metres, metres per cycle or degrees: rounding, amplified by the formulas, stays far below."""

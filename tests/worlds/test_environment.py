@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from gymnasium.error import DependencyNotInstalled, ResetNeeded
 
+from relforest.playing.frames import Frame
 from relforest.support.errors import InputError
 from relforest.worlds import ENVIRONMENT_IDS
 from relforest.worlds.blocks.env import arch_env, color_grouping_env, high_towers_env
@@ -293,3 +294,35 @@ def test_an_environment_can_be_made_again_from_its_specification(name: str) -> N
     again = gymnasium.make(env.spec)
     assert same(env.reset(seed=3), again.reset(seed=3))
     assert again.spec == env.spec
+
+
+@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("twin_of", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])  # noqa: S301 - our own
+def test_a_copy_in_the_middle_of_an_episode_goes_on_alike(name: str, twin_of: Make) -> None:
+    env = gymnasium.make(name, render_mode="rgb_array", **SHORT[name])
+    _, info = env.reset(seed=3)
+    env.step(int(np.flatnonzero(info["action_mask"])[0]))
+    twin = twin_of(env)
+    for _ in range(2):
+        np.testing.assert_array_equal(env.render(), twin.render())
+        try:
+            assert same(env.step(0), twin.step(0))
+        except ResetNeeded:
+            break
+    assert same(env.reset(), twin.reset())
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_a_world_shows_a_frame_after_each_reset_and_step(name: str) -> None:
+    env = world(name, **SHORT[name])
+    frames: list[Frame] = []
+    env.watch(frames.append)
+    _, info = env.reset(seed=3)
+    before = len(frames)
+    env.say(0)
+    env.step(int(np.flatnonzero(info["action_mask"])[0]))
+    assert 0 < before < len(frames)
+    assert frames[-1] == env._frame()
+    env.watch(None)
+    env.reset(seed=4)
+    assert frames[-1] != env._frame()

@@ -10,14 +10,16 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from relforest.experiments.keepaway_policies import scene_decision
 from relforest.experiments.sarsa import trained_team
 from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
 from relforest.rl.rollout import Environment
 from relforest.rl.rpi import SMRFRPI
+from relforest.smdp import Decision
 from relforest.support.errors import InputError
+from relforest.worlds.keepaway.decisions.scene import decision, describe, objects
+from relforest.worlds.keepaway.decisions.variables import by_distance
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.layout import BODY, Setup
+from relforest.worlds.keepaway.server.layout import BODY, Setup
 
 _STEP: Final = 0.5
 _ACTOR: Final = 0
@@ -67,6 +69,15 @@ def formations(setup: Setup) -> tuple[Formation, ...]:
         players[setup.keepers :, 0] += np.arange(setup.takers) - (setup.takers - 1) / 2
         made.append(Formation(players, _ACTOR, title))
     return tuple(made)
+
+
+def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> Decision:
+    """Return what a relational learner sees when a keeper must decide among players (n, 5)."""
+    receivers = np.empty(keepers - 1, dtype=np.int64)
+    by_distance(players, actor, 0, receivers)
+    matrix = objects(keepers, len(players) - keepers)
+    describe(players, matrix)
+    return decision(matrix, actor, receivers)
 
 
 def _figure(setup: Setup, evaluate: Callable[[NDArray[np.float64]], NDArray[Any]], title: str) -> Figure:

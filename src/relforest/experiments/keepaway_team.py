@@ -13,14 +13,14 @@ from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report
 from relforest.support.rng import RandomState, seed_sequence, stream
-from relforest.worlds.keepaway.advance import ASK, NO_ACTION, NOBODY, advance
-from relforest.worlds.keepaway.games import new_games
-from relforest.worlds.keepaway.layout import CAPPED, END, TIME, Games, Setup
-from relforest.worlds.keepaway.memory import DECIDED
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.referee import place
-from relforest.worlds.keepaway.variables import n_variables, state_variables, tile_widths
-from relforest.worlds.keepaway.views import Work, new_work
+from relforest.worlds.keepaway.decisions.variables import n_variables, state_variables, tile_widths
+from relforest.worlds.keepaway.play.advance import ASK, NO_ACTION, NOBODY, advance
+from relforest.worlds.keepaway.play.games import new_games
+from relforest.worlds.keepaway.players.memory import DECIDED
+from relforest.worlds.keepaway.players.views import Work, new_work
+from relforest.worlds.keepaway.server.layout import CAPPED, END, TIME, Games, Setup
+from relforest.worlds.keepaway.server.options import KeepawayOptions
+from relforest.worlds.keepaway.server.referee import place
 
 Team: TypeAlias = Sequence[SarsaLambda[NDArray[np.float64]]]
 

@@ -132,7 +132,7 @@ class RunConfig:
 
             return RPILearner(self.make(), self.settings, seed, self.episodes, self.tests, n_jobs)
         from relforest.experiments.sarsa import SarsaLearner  # noqa: PLC0415
-        from relforest.worlds.keepaway.options import KeepawayOptions  # noqa: PLC0415
+        from relforest.worlds.keepaway.server.options import KeepawayOptions  # noqa: PLC0415
 
         return SarsaLearner(
             KeepawayOptions(**self.definition.options),

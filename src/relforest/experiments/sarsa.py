@@ -20,7 +20,7 @@ from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.progress import part
 from relforest.support.rng import stream
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 _TRAINING, _TESTING, _AGENTS = 0, 1, 2
 _TEAM: Final = "team"

@@ -10,7 +10,8 @@ from typing import Final, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-_NORMAL_95: Final = 1.96
+from relforest.metrics import NORMAL_95
+
 _UNKNOWN: Final = "-"
 
 Format: TypeAlias = str | Callable[[float], str]
@@ -45,7 +46,7 @@ class Estimate:
     @classmethod
     def normal(cls, mean: float, deviation: float, count: int) -> Estimate:
         """Return the mean of a number of values with this standard deviation, NaN if unknown; see `of`."""
-        return cls(mean, None if math.isnan(deviation) else _NORMAL_95 * deviation / count**0.5)
+        return cls(mean, None if math.isnan(deviation) else NORMAL_95 * deviation / count**0.5)
 
     @property
     def low(self) -> float:

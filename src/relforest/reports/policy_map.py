@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from relforest.reports.style import BLUE, GOLD, GREEN, GREY, INK, ORANGE, PALE, PAPER, PINK, SKY, styled
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range
-from relforest.worlds.keepaway.variables import n_variables, state_variables
+from relforest.worlds.keepaway.decisions.variables import n_variables, state_variables
 
 Evaluate = Callable[[NDArray[np.float64]], NDArray[np.float64] | NDArray[np.int64]]
 """Maps states, (m, n, c) as `Formation.players`, to action values, (m, actions), or to actions, (m,)."""

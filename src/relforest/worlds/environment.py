@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, SupportsIndex
 
@@ -13,7 +13,10 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from relforest.smdp import Decision
+from relforest.playing.frames import Frame, Stage
+from relforest.playing.recorder import Policy
+from relforest.playing.shapes import Words
+from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
 from relforest.worlds.arguments import (
     Check,
@@ -26,13 +29,14 @@ from relforest.worlds.arguments import (
 Arrays = dict[str, NDArray[Any]]
 Info = dict[str, Any]
 Step = tuple[Arrays, float, bool, bool, Info]
+Policies = Mapping[str, Policy]
 
 
 class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     """An environment that checks all arguments before it changes anything.
 
     A world implements how an episode begins (`_begin`), what an action does (`_act`), when the episode has
-    ended (`_ended`), and how it looks (`_draw`).
+    ended (`_ended`), and how it looks (`stage` and `_frame`), which gives pictures and pages.
 
     Parameters
     ----------
@@ -49,6 +53,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
 
     observation_space: spaces.Dict
     action_space: spaces.Discrete
+    action_types: tuple[ActionType, ...]
     unit: ClassVar[str]
     """The unit of the length of an episode."""
     action_meaning: ClassVar[str] = ""
@@ -59,6 +64,7 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     def __init__(self, render_mode: str | None) -> None:
         self.render_mode = checked_render_mode(render_mode)
         self._begun = False
+        self._see: Callable[[Frame], None] | None = None
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
@@ -76,12 +82,15 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
         super().reset(seed=seed)
         result = self._begin(seed, chosen)
         self._begun = True
+        self._show()
         return result
 
     def step(self, action: SupportsIndex) -> Step:
         """Take an action of the flat space: a Python or NumPy integer."""
         self.check_running()
-        return self._act(checked_action(action, int(self.action_space.n), self.action_meaning))
+        result = self._act(checked_action(action, int(self.action_space.n), self.action_meaning))
+        self._show()
+        return result
 
     @abstractmethod
     def decision(self) -> Decision:
@@ -102,7 +111,27 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
         if self.render_mode is None:
             raise InputError('render() needs a render mode: make the world with render_mode="rgb_array"')
         self._check_begun()
-        return self._draw()
+        from relforest.playing.painter import paint  # noqa: PLC0415 - most uses need no pictures
+
+        return paint(self.stage, self._frame())
+
+    def watch(self, see: Callable[[Frame], None] | None) -> None:
+        """From now on pass ``see`` a frame whenever something may have moved; None: stop."""
+        self._see = see
+
+    def say(self, position: int) -> Words:
+        """Return an available action in words: its name and its objects."""
+        action = self.decision().action(position)
+        return (" ".join((self.action_types[action.type].name, *map(str, action.arguments))),)
+
+    def _show(self) -> None:
+        if self._see is not None:
+            self._see(self._frame())
+
+    @property
+    def _watching(self) -> Callable[[], None] | None:
+        """What a world calls while time passes, if somebody watches."""
+        return None if self._see is None else self._show
 
     def _check_begun(self) -> None:
         if not self._begun:
@@ -128,6 +157,16 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     def _ended(self) -> int | None:
         """Return the length of the episode in `unit` if it has ended, otherwise None."""
 
+    @property
     @abstractmethod
-    def _draw(self) -> NDArray[np.uint8]:
-        """Draw the present state."""
+    def policies(self) -> Policies:
+        """The policies that come with this world, by name; some look at the environment itself."""
+
+    @property
+    @abstractmethod
+    def stage(self) -> Stage:
+        """What all frames of this world have in common."""
+
+    @abstractmethod
+    def _frame(self) -> Frame:
+        """Return what there is to see at present."""

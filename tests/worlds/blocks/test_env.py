@@ -27,7 +27,6 @@ from relforest.worlds.blocks.options import OptionResult
 from relforest.worlds.blocks.policies import make_policy
 from relforest.worlds.blocks.scene import SCHEMA
 from relforest.worlds.blocks.tasks import ARCH_ACTIONS, DONE, MOVE
-from relforest.worlds.blocks.viewer import BlocksViewer
 from worlds.blocks.staged_blocks import UPRIGHT, Pose
 
 IDENTIFIERS = ("relforest/HighTowers-v0", "relforest/ColorGrouping-v0", "relforest/Arch-v0")
@@ -312,33 +311,35 @@ def test_pictures_are_made_on_request() -> None:
         arch_env().render()
 
 
-def test_pictures_tell_what_was_done(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[tuple[str, Any]] = []
-
-    def draw(*_: Any, caption: str, tool: Any, **__: Any) -> Any:
-        told.append((caption, tool))
-
-    env = arch_env("rgb_array", handling=EXACT, max_actions=4)
+def test_frames_tell_the_last_action_its_reward_and_where_the_robot_let_go() -> None:
+    env = arch_env(handling=EXACT)
     staged(env, ((4.0, 2.0), (-10, 2, 0)), ((4.0, 2.0), (10, 2, 0)), BESIDE_THE_TABLE, at_rest=False)
     ids = env.state.ids.tolist()
-    env.render()
-    monkeypatch.setattr(BlocksViewer, "draw", draw)
-    env.render()
+    frames = [env._frame()]
     env.perform("move", ids[0], -16.66)
-    env.render()
-    env.step(2)
-    env.render()
-    env.step(24)
-    env.render()
-    assert [caption for caption, _ in told] == [
+    frames.append(env._frame())
+    for action in (2, 24):
+        env.step(action)
+        frames.append(env._frame())
+    assert [frame.caption for frame in frames] == [
         "arch",
         f"move({ids[0]}, x = \N{MINUS SIGN}16.7): 0.00",
         "unavailable action: 0.00",
         "done: 0.00",
     ]
+    grips = [[thing for thing in frame.things if thing.key == "grip"] for frame in frames]
     # The block was let go 2 above the table.
-    assert told[0][1] is None
-    assert told[1][1] == pytest.approx((-16.66, 4.0), abs=0.1)
+    assert grips[0] == []
+    assert (grips[1][0].x, grips[1][0].y) == pytest.approx((-16.66, 4.0), abs=0.1)
+
+
+def test_an_action_that_is_refused_does_not_change_what_is_told() -> None:
+    env = high_towers_env(n_blocks=2)
+    env.reset(seed=0)
+    before = env._frame()
+    with pytest.raises(InputError):
+        env.perform("rotate", 77)
+    assert env._frame() == before
 
 
 @pytest.mark.parametrize(

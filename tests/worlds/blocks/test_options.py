@@ -53,11 +53,18 @@ def test_put_without_noise_puts_the_block_in_the_middle() -> None:
     assert 3.0 < result.duration < 6.0
 
 
+def poses_while_held(sim: BlocksSimulation) -> list[tuple[float, float, float]]:
+    """Return what will be filled with x, y and angle of block 0 in all steps in which it is held."""
+    poses: list[tuple[float, float, float]] = []
+    sim.watch, sim.frame_every = lambda: poses.append(sim.pose(0)) if sim.held == 0 else None, 1
+    return poses
+
+
 def test_put_lifts_the_block_above_all_and_lets_it_go_above_the_target() -> None:
     sim = two()
-    sim.frames, sim.frame_every = [], 1
+    poses = poses_while_held(sim)
     put(sim, 0, 1, handling=EXACT)
-    held = np.array([frame.poses[0] for frame in sim.frames if frame.held == 0])
+    held = np.array(poses)
 
     # Its own top is at 2.01, its lowest point at 0.01: 2.01 + 5 above the table, and its centre 1 higher.
     assert held[:, 1].max() == pytest.approx(8.02, abs=0.05)
@@ -79,9 +86,9 @@ def test_the_original_overlap_misses_a_wide_block(overlap: Any, *, hits: bool) -
     # centre is not above it: the original test lowers block 0 into the beam.
     sim = table((0.5, 0.5, -30.0, 0.52), (0.5, 1.0, -6.0, 1.02), (1.5, 1.0, 5.0, 1.02), (9.0, 0.5, 2.0, 2.55))
     top = sim.bounds[3, 3]
-    sim.frames, sim.frame_every = [], 1
+    poses = poses_while_held(sim)
     put(sim, 0, 1, handling=Handling(Noise.none(), overlap))
-    lowest = min(frame.poses[0, 1] for frame in sim.frames if frame.held == 0 and frame.poses[0, 0] > -7)
+    lowest = min(y for x, y, _ in poses if x > -7)
 
     assert (lowest < top + 1.5) == hits
 
@@ -130,9 +137,9 @@ def test_rotate_lifts_the_block_by_one_end(angle: float, end: float, height: flo
     sim = BlocksSimulation(np.random.default_rng(0))
     sim.place(arch_blocks(sim.rng, 1), [(0.0, 5.0, angle)])
     sim.wait_for_rest()
-    sim.frames, sim.frame_every = [], 1
+    poses = poses_while_held(sim)
     rotate(sim, 0, handling=EXACT)
-    heights = [frame.poses[0, 1] for frame in sim.frames if frame.held == 0]
+    heights = [y for _, y, _ in poses]
 
     assert math.remainder(sim.pose(0)[2] - end, 2 * math.pi) == pytest.approx(0.0, abs=0.02)
     assert max(heights) == pytest.approx(height, abs=0.05)

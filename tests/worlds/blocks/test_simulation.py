@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from relforest.support.errors import InputError
 from relforest.worlds.blocks.blocks import Block, arch_blocks, random_blocks
 from relforest.worlds.blocks.options import put
-from relforest.worlds.blocks.simulation import BlocksSimulation, Frame
+from relforest.worlds.blocks.simulation import BlocksSimulation
 from worlds.blocks.staged_blocks import dropped, fingerprint
 
 GREY = (0.5, 0.5, 0.5)
@@ -57,19 +57,25 @@ def test_a_drop_ends_at_rest() -> None:
     assert (sim.bounds[:, 2] > -0.01).all()
 
 
+def watched(sim: BlocksSimulation, every: int = 4) -> list[tuple[float, int | None, Any]]:
+    """Return what will be filled with times, blocks that are held, and poses."""
+    frames: list[tuple[float, int | None, Any]] = []
+    sim.watch, sim.frame_every = lambda: frames.append((sim.time, sim.held, sim.poses)), every
+    return frames
+
+
 def test_blocks_of_a_drop_begin_level_or_turned() -> None:
     level, turned = simulation(), simulation()
-    frames: list[Frame] = []
+    begins = []
     for sim in (level, turned):
-        sim.frames, sim.frame_every = frames, 1
+        poses = watched(sim)
         sim.drop(arch_blocks(sim.rng), turned=sim is turned)
-        sim.frames = None
-    begins = [frame for frame in frames if frame.time == 0]
+        begins.append(poses[0][2])
 
-    assert begins[0].poses[:, 2] == pytest.approx([0.0, 0.0, 0.0])
-    assert len(np.unique(begins[1].poses[:, 2])) == 3
-    assert all(abs(begin.poses[:, 0]).max() <= 30 for begin in begins)
-    assert all(begin.poses[:, 1].min() >= 7 for begin in begins)
+    assert begins[0][:, 2] == pytest.approx([0.0, 0.0, 0.0])
+    assert len(np.unique(begins[1][:, 2])) == 3
+    assert all(abs(begin[:, 0]).max() <= 30 for begin in begins)
+    assert all(begin[:, 1].min() >= 7 for begin in begins)
 
 
 def test_nothing_may_be_dropped() -> None:
@@ -191,28 +197,26 @@ def test_arrays_stay_as_they_are_when_time_passes() -> None:
 
 
 def test_frames_come_in_even_steps_and_change_nothing() -> None:
-    watched, alone = simulation(4), simulation(4)
-    watched.frames = []
-    for sim in (watched, alone):
+    seen, alone = simulation(4), simulation(4)
+    frames = watched(seen)
+    for sim in (seen, alone):
         sim.drop(random_blocks(sim.rng, 3))
         put(sim, 0, 1)
-    times = [frame.time for frame in watched.frames]
+    times = [time for time, _, _ in frames]
 
-    assert watched.poses.tobytes() == alone.poses.tobytes()
-    assert times == pytest.approx([0.04 * k for k in range(watched.steps // 4 + 1)])
-    assert {frame.held for frame in watched.frames} == {None, 0}
-    assert all(frame.ids == (0, 1, 2) and frame.poses.shape == (3, 3) for frame in watched.frames)
-    assert alone.frames is None
+    assert seen.poses.tobytes() == alone.poses.tobytes()
+    assert times == pytest.approx([0.04 * k for k in range(seen.steps // 4 + 1)])
+    assert {held for _, held, _ in frames} == {None, 0}
 
 
-def test_a_list_given_later_collects_from_then_on() -> None:
+def test_who_comes_later_sees_what_happens_from_then_on() -> None:
     sim = dropped(4)
-    sim.frames, sim.frame_every = [], 10
+    frames = watched(sim, 10)
     begin = sim.steps
     assert sim.frame_every == 10
     sim.step(25)
 
-    assert [frame.time for frame in sim.frames] == pytest.approx(
+    assert [time for time, _, _ in frames] == pytest.approx(
         [0.01 * step for step in range(begin + 1, begin + 26) if step % 10 == 0]
     )
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keepaway_games import game
-from relforest.worlds.keepaway.games import Games, Setup
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.views import Work, new_work, observe
+from relforest.worlds.keepaway.players.views import Work, new_work, observe
+from relforest.worlds.keepaway.server.layout import Games, Setup
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 
 class Stage(NamedTuple):

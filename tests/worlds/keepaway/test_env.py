@@ -19,16 +19,16 @@ from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.support.rng import seed_sequence
 from relforest.testing import check_world
-from relforest.worlds.keepaway.advance import HAND, HOLD, NO_ACTION, advance
+from relforest.worlds.keepaway.decisions.policies import HandCodedPolicy, hand_coded
+from relforest.worlds.keepaway.decisions.scene import NOBODY, location_of
+from relforest.worlds.keepaway.decisions.variables import n_variables, nearest_keeper, state_variables
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.games import new_games
-from relforest.worlds.keepaway.layout import END, PLAYING, TIME
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.policies import HandCodedPolicy, hand_coded
-from relforest.worlds.keepaway.scene import NOBODY, location_of
+from relforest.worlds.keepaway.play.advance import HAND, HOLD, NO_ACTION, advance
+from relforest.worlds.keepaway.play.games import new_games
+from relforest.worlds.keepaway.players.views import new_work
+from relforest.worlds.keepaway.server.layout import END, PLAYING, TIME
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.spaces import variables_space
-from relforest.worlds.keepaway.variables import n_variables, nearest_keeper, state_variables
-from relforest.worlds.keepaway.views import new_work
 from relforest.worlds.keepaway.wrapper import StateVariables
 
 pytestmark = compiled_only

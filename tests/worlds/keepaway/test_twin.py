@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from reference.keepaway_agreement import Comparison, compare_games, compare_states
-from relforest.worlds.keepaway.advance import HAND, HOLD, RANDOM
-from relforest.worlds.keepaway.layout import DASH, KICK, TURN, Setup
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.play.advance import HAND, HOLD, RANDOM
+from relforest.worlds.keepaway.server.layout import DASH, KICK, TURN, Setup
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 # Interpreted, the twin takes 0.03 seconds for a cycle.
 INTERPRETED = os.environ.get("NUMBA_DISABLE_JIT") == "1"

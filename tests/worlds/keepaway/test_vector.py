@@ -12,8 +12,8 @@ from gymnasium.wrappers.vector import DictInfoToList, RecordEpisodeStatistics
 from interpreted import compiled_only
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
+from relforest.worlds.keepaway.decisions.scene import NOBODY
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.scene import NOBODY
 from relforest.worlds.keepaway.vector import KeepawayVectorEnv
 
 pytestmark = compiled_only

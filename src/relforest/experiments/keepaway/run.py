@@ -24,8 +24,8 @@ from relforest.experiments.keepaway_team import benchmark_team, play_episodes_wi
 from relforest.experiments.study import Place
 from relforest.experiments.table import Row
 from relforest.support.rng import stream
-from relforest.worlds.keepaway.durations import Played, play_episodes
-from relforest.worlds.keepaway.events import (
+from relforest.worlds.keepaway.play.durations import Played, play_episodes
+from relforest.worlds.keepaway.play.events import (
     DASHES,
     FIRST_TOUCH,
     KEEPER_CYCLES,
@@ -36,8 +36,8 @@ from relforest.worlds.keepaway.events import (
     TRANSFERS,
     TURNS,
 )
-from relforest.worlds.keepaway.layout import TAKEN
-from relforest.worlds.keepaway.options import KeepawayOptions
+from relforest.worlds.keepaway.server.layout import TAKEN
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 _QUANTILES: Final = (5, 25, 50, 75, 95)
 _SPEED_QUANTILES: Final = (5, 25, 50, 75, 95, 99)

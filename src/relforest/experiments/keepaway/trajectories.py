@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from relforest.support.files import read_npz
-from relforest.worlds.keepaway.bounds import StepCount, Steps, step_violations
+from relforest.worlds.keepaway.server.bounds import StepCount, Steps, step_violations
 
 TRAJECTORIES: Final = "keepaway-trajectories.npz"
 """Name of the recording: 32 episodes of random play on server 19."""

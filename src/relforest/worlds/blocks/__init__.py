@@ -10,7 +10,7 @@ precise the robot is and which blocks it considers to be below another.
 `state`, `scene`, `stacks`, `scores` (with `color`) and `arch` describe and score states; `tasks`, `actions`
 and `samplers` define what can be done; `policies` (with `plan`) decide; and `env` is the Gymnasium
 environment of ``relforest/HighTowers-v0``, ``relforest/ColorGrouping-v0`` and ``relforest/Arch-v0``.
-`balance` and `drop_on` are outcomes of one action. `viewer`, `recorder` and `page` draw.
+`balance` and `drop_on` are outcomes of one action. `frames` are what there is to see.
 """
 
 from __future__ import annotations

@@ -5,13 +5,12 @@ from .engine import Engine
 from .handling import Handling
 from .noise import Noise
 from .options import OptionResult, done, isolate, move, put, rotate
-from .simulation import BlocksSimulation, Frame
+from .simulation import BlocksSimulation
 
 __all__ = [
     "Block",
     "BlocksSimulation",
     "Engine",
-    "Frame",
     "Handling",
     "Noise",
     "OptionResult",

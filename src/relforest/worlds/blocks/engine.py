@@ -15,7 +15,8 @@ import math
 import warnings
 from array import array
 from collections.abc import Callable, Sequence
-from typing import Any, Final, NamedTuple, NoReturn, final
+from functools import wraps
+from typing import Any, Concatenate, Final, NamedTuple, ParamSpec, TypeAlias, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,49 @@ class _Grip(NamedTuple):
     supports: tuple[tuple[memoryview[float], float, float], ...]  # of two more, and their x, y from there
 
 
+_Call: TypeAlias = tuple[str, tuple[Any, ...], dict[str, Any]]
+_Calls: TypeAlias = tuple[_Call, ...]
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+@final
+class History:
+    """The calls that made an engine what it is, from the outside; ``is_open`` during one of them."""
+
+    def __init__(self) -> None:
+        self.calls: list[_Call] = []
+        self.is_open = False
+
+
+def _remembered(
+    method: Callable[Concatenate[Engine, _P], _R],
+) -> Callable[Concatenate[Engine, _P], _R]:
+    """Let an engine remember the calls of a method from outside, so that it can be copied."""
+
+    @wraps(method)
+    def called(engine: Engine, /, *arguments: _P.args, **options: _P.kwargs) -> _R:
+        if engine.history.is_open:
+            return method(engine, *arguments, **options)
+        engine.history.is_open = True
+        try:
+            result = method(engine, *arguments, **options)
+        finally:
+            engine.history.is_open = False
+        engine.history.calls.append((method.__name__, arguments, options))
+        return result
+
+    return called
+
+
+def _replayed(half_width: float, calls: _Calls) -> Engine:
+    """Return an engine for which everything has been done again."""
+    engine = Engine(table_half_width=half_width)
+    for name, arguments, options in calls:
+        getattr(engine, name)(*arguments, **options)
+    return engine
+
+
 @final
 class Engine:
     """A table with boxes that fall, collide, come to rest, and can be held by springs.
@@ -115,13 +159,12 @@ class Engine:
         self._grip: _Grip | None = None
         self._released: tuple[float, float] | None = None
         self._sure_steps = 0
+        self.history = History()
         self._step: Callable[[float, int, int], None] = self._world.Step
 
-    def __reduce__(self) -> NoReturn:
-        """Refuse to be copied or pickled: the boxes are memory of Box2D."""
-        raise TypeError(
-            "a world of blocks cannot be copied or pickled: make another one and reset it with the same seed"
-        )
+    def __reduce__(self) -> tuple[Callable[[float, _Calls], Engine], tuple[float, _Calls]]:
+        """Copy by doing everything again: boxes are memory of Box2D, but equal calls have equal effects."""
+        return _replayed, (self._edge, tuple(self.history.calls))
 
     @property
     def keys(self) -> tuple[int, ...]:
@@ -142,6 +185,7 @@ class Engine:
         sine, cosine = box.rotation
         return box.center[0] + cosine * x - sine * y, box.center[1] + sine * x + cosine * y
 
+    @_remembered
     def add_box(
         self, half_extents: tuple[float, float], position: tuple[float, float], angle: float = 0.0
     ) -> int:
@@ -175,6 +219,7 @@ class Engine:
         self._sure_steps = 0
         return key
 
+    @_remembered
     def remove(self, key: int) -> None:
         """Take a box away, letting go of it first if it is held.
 
@@ -229,6 +274,7 @@ class Engine:
                     pairs.add((min(first, second), max(first, second)))
         return frozenset(pairs)
 
+    @_remembered
     def step(self, n: int = 1) -> None:
         """Advance by n steps, removing the boxes that fall off the table."""
         step = self._step
@@ -239,6 +285,7 @@ class Engine:
             n -= burst
             self._account(burst)
 
+    @_remembered
     def settle(
         self, max_steps: int, *, speed: float = REST_SPEED, spin: float = REST_SPIN
     ) -> tuple[int, bool]:
@@ -266,6 +313,7 @@ class Engine:
                 return taken, True
         return taken, False
 
+    @_remembered
     def grab(self, key: int, springs: Sequence[Spring]) -> None:
         """Hold a box by springs attached at its present location, releasing any other box.
 
@@ -294,6 +342,7 @@ class Engine:
         supports += [(nowhere, 0.0, 0.0)] * (2 - len(supports))
         self._grip = _Grip(key, springs[0].point, joints, main, tuple(supports))
 
+    @_remembered
     def let_go(self) -> None:
         """Release the box that is held, if any."""
         if self._grip is not None:
@@ -302,6 +351,7 @@ class Engine:
                 self._world.DestroyJoint(joint)
             self._grip = None
 
+    @_remembered
     def carry(self, goal: tuple[float, float], max_steps: int) -> tuple[int, bool]:
         """Pull the held box until its centre has arrived at the goal or the box is lost.
 

@@ -7,16 +7,27 @@ from typing import Any, final
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
-from relforest.smdp import ActionType, Decision
+from relforest.playing.frames import Frame, Stage
+from relforest.playing.shapes import Shape, Words
+from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.support.options import between, one_of
 from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.blocks.command import Command, run_command
+from relforest.worlds.blocks.frames import (
+    block_things,
+    grip,
+    marks_of,
+    mean_line,
+    option_words,
+    table_stage,
+    target_of,
+)
 from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.moment import Moment, Watcher, observation_space
 from relforest.worlds.blocks.options import OptionResult
+from relforest.worlds.blocks.policies import POLICIES
 from relforest.worlds.blocks.scene import SCHEMA, locations
 from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
 from relforest.worlds.blocks.state import BlocksState
@@ -33,8 +44,7 @@ from relforest.worlds.blocks.tasks import (
     color_grouping,
     high_towers,
 )
-from relforest.worlds.blocks.viewer import BlocksViewer
-from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
+from relforest.worlds.environment import Arrays, Info, Policies, Step, WorldEnv
 from relforest.worlds.viewing import viewable
 
 _HANDLING = Handling()
@@ -119,6 +129,7 @@ class BlocksEnv(WorldEnv):
         if not isinstance(task, Task):
             raise InputError(f"task must be a Task, such as high_towers(), got {task!r}")
         self.task = task
+        self.action_types = task.action_types
         self.n_blocks = between("n_blocks", n_blocks, 1, task.most_blocks)
         self.max_actions = between("max_actions", max_actions, 1, MOST_ACTIONS)
         if not isinstance(handling, Handling):
@@ -132,12 +143,8 @@ class BlocksEnv(WorldEnv):
         self._taken = 0
         self._last: Command | None = None
         self._reward = 0.0
-        self._viewer: BlocksViewer | None = None
-
-    @property
-    def action_types(self) -> tuple[ActionType, ...]:
-        """The action types of the task."""
-        return self.task.action_types
+        self._runs = False
+        self._marks: tuple[float, tuple[Shape, ...]] = (0.0, ())
 
     @property
     def simulation(self) -> BlocksSimulation:
@@ -169,7 +176,18 @@ class BlocksEnv(WorldEnv):
         self.check_running()
         one_of("action", name, [action_type.name for action_type in self.task.action_types])
         command = Command(name, arguments)
-        return self._stepped(command, run_command(self.simulation, command, self._handling))
+        self._watch_simulation()
+        before, self._last, self._runs = self._last, command, True
+        try:
+            result = run_command(self.simulation, command, self._handling)
+        except InputError:
+            self._last = before
+            raise
+        finally:
+            self._runs = False
+        step = self._stepped(command, result)
+        self._show()
+        return step
 
     def command(self, position: int) -> Command:
         """Return an available action with ids and target, in the form that `perform` takes.
@@ -192,14 +210,31 @@ class BlocksEnv(WorldEnv):
         """Return the objects and the available ground actions of the present state."""
         return self.moment.decision
 
+    @property
+    def policies(self) -> Policies:
+        """The policies made for the task."""
+        return {name: make(self) for name, make in POLICIES[self.task.name].items()}
+
+    @property
+    def stage(self) -> Stage:
+        """The table."""
+        return table_stage(self.task)
+
+    def say(self, position: int) -> Words:
+        """Return an action in words, such as "put 3 on 1"."""
+        colors = dict(zip(self.state.ids.tolist(), self.state.colors.tolist(), strict=True))
+        return option_words(self.command(position), colors)
+
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
         if seed is not None or not self._begun:
             self._simulation = BlocksSimulation(self.np_random)
+        self._last, self._runs, self._taken = None, True, 0
+        self._watch_simulation()
         self._simulation.rng = self.np_random
         blocks = self.task.blocks(self.np_random, self.n_blocks, self._simulation.next_id)
         self._simulation.drop(blocks, turned=self.task.turned)
         self._watcher.begin(np.array([block.id for block in blocks]))
-        self._taken = 0
+        self._runs = False
         self._look()
         return self._moment.observation(), self._info()
 
@@ -215,23 +250,37 @@ class BlocksEnv(WorldEnv):
         over = not len(self._moment.decision) or self._taken >= self.max_actions
         return self._taken if over else None
 
-    def _draw(self) -> NDArray[np.uint8]:
-        # The caption is the last action and its reward, or the task; a ring shows where the robot let go.
-        if self._viewer is None:
-            self._viewer = BlocksViewer()
-        state = self.state
-        return self._viewer.draw(
-            state.half_extents,
-            state.poses,
-            state.colors,
-            ids=state.ids.tolist(),
-            caption=self._caption(),
-            tool=self.simulation.tool,
-            time=self.simulation.time,
-            score=f"{self.task.score_name.replace('_', ' ')} {self.moment.score:.2f}",
+    def _watch_simulation(self) -> None:
+        self._simulation.watch = self._watching
+
+    def _frame(self) -> Frame:
+        simulation, state, runs = self._simulation, self._simulation.state, self._runs
+        blocks = (state.half_extents, simulation.poses, state.colors, state.ids.tolist())
+        things = block_things(*blocks, command=self._last if runs else None)
+        if self.task.name == "high-towers" and len(state):
+            things = (*things, mean_line(float(state.poses[:, 1].mean())))
+        if simulation.tool is not None and (simulation.held is not None or not runs):
+            things = (*things, grip(simulation.tool))
+        if not runs:
+            self._marks = simulation.time, marks_of(state, self.task)
+        since, marks = self._marks
+        # What the last score was based on is shown for another second.
+        notes = marks if simulation.time - since < 1.0 else ()
+        if runs and self._last is not None:
+            notes = (*notes, *target_of(self._last))
+        falls = runs and self._last is None
+        return Frame(
+            time=simulation.time,
+            things=things,
+            notes=() if falls else notes,
+            caption="drop" if falls else self._caption(),
+            score=None if falls else self._moment.score,
+            band="" if self._last is None else ("wood", "edge")[(self._taken - (not runs)) % 2],
         )
 
     def _caption(self) -> str:
+        if self._runs:
+            return str(self._last)
         if not self._taken:
             return self.task.name.replace("-", " ")
         done = "unavailable action" if self._last is None else str(self._last)

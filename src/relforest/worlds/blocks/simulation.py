@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Final, NamedTuple, final
+from typing import Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +31,6 @@ FIRST_WAIT: Final = 10
 """Steps after a drop before the first test for rest."""
 
 
-class Frame(NamedTuple):
-    """One moment of an episode, for animations."""
-
-    time: float  # seconds since the drop
-    poses: NDArray[np.float64]  # (n, 3) x, y, angle
-    ids: tuple[int, ...]  # of the n blocks
-    held: int | None  # the block that is held
-
-
 @final
 class BlocksSimulation:
     """Blocks on a table.
@@ -53,8 +44,8 @@ class BlocksSimulation:
 
     Attributes
     ----------
-    frames : list of Frame or None
-        If set to a list, it collects a frame at the start of an episode and every ``frame_every`` steps.
+    watch : callable or None
+        If set, it is called at the start of an episode and every ``frame_every`` steps.
 
     Notes
     -----
@@ -64,7 +55,7 @@ class BlocksSimulation:
 
     def __init__(self, rng: np.random.Generator, *, table_half_width: float = TABLE_HALF_WIDTH) -> None:
         self.rng = checked_generator(rng)
-        self.frames: list[Frame] | None = None
+        self.watch: Callable[[], None] | None = None
         self._frame_every = 4
         self._table_half_width = table_half_width
         self._engine = Engine(table_half_width=table_half_width)
@@ -76,7 +67,7 @@ class BlocksSimulation:
 
     @property
     def frame_every(self) -> int:
-        """Steps between two frames, at least 1; may be set."""
+        """Steps between two calls of `watch`, at least 1; may be set."""
         return self._frame_every
 
     @frame_every.setter
@@ -227,7 +218,7 @@ class BlocksSimulation:
         self._keys = dict(zip(ids, keys, strict=True))
         self._next_id = max([self._next_id - 1, *ids]) + 1
         self._steps = 0
-        self._record()
+        self._show()
 
     def step(self, n: int = 1) -> None:
         """Let n steps pass."""
@@ -283,21 +274,20 @@ class BlocksSimulation:
         return x, y, self.rng.uniform(-math.pi, math.pi) if turned else 0.0
 
     def _pass(self, max_steps: int, advance: Callable[[int], tuple[int, bool]]) -> tuple[int, bool]:
-        """Advance by at most ``max_steps``, stopping for frames; ``advance`` returns whether it has ended."""
+        """Advance by at most ``max_steps``, in parts if watched; ``advance`` returns whether it has ended."""
         taken = 0
         ended = False
         while not ended and taken < max_steps:
             steps = max_steps - taken
-            if self.frames is not None:
+            if self.watch is not None:
                 steps = min(steps, self._frame_every - self._steps % self._frame_every)
             passed, ended = advance(steps)
             taken += passed
             self._steps += passed
             if passed and self._steps % self._frame_every == 0:
-                self._record()
+                self._show()
         return taken, ended
 
-    def _record(self) -> None:
-        if self.frames is not None:
-            ids = tuple(block.id for block in self.blocks)
-            self.frames.append(Frame(self.time, self.poses, ids, self.held))
+    def _show(self) -> None:
+        if self.watch is not None:
+            self.watch()

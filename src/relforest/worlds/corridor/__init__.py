@@ -2,7 +2,7 @@
 
 One agent with one attribute walks left or right and earns a reward close to either end (Palmer (2015),
 section 7.3). Create it with ``gymnasium.make("relforest/Corridor-v0")``. Read `state`, `dynamics`, `actions`,
-`reward`, `scene` and `policies` in this order; `env` connects them, and `viewer` draws.
+`reward`, `scene` and `policies` in this order; `env` connects them, and `frames` are what there is to see.
 """
 
 from __future__ import annotations

@@ -9,18 +9,19 @@ from typing import Any, Final, final
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
+from relforest.playing.frames import Frame, Stage
 from relforest.smdp import Decision
 from relforest.support.options import between, in_range
 from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.corridor.actions import ACTION_TYPES, DIRECTIONS
 from relforest.worlds.corridor.dynamics import NOISE, STEP_LENGTH, next_location
+from relforest.worlds.corridor.frames import corridor_frame, corridor_stage
+from relforest.worlds.corridor.policies import OptimalPolicy, RandomPolicy
 from relforest.worlds.corridor.reward import WINDOW, reward
 from relforest.worlds.corridor.scene import SCHEMA, decision, scene
 from relforest.worlds.corridor.state import CorridorState, initial_state
-from relforest.worlds.corridor.viewer import CorridorViewer
-from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
+from relforest.worlds.environment import Arrays, Info, Policies, Step, WorldEnv
 from relforest.worlds.viewing import viewable
 
 MOST_STEPS: Final = 1_000_000
@@ -98,7 +99,6 @@ class CorridorEnv(WorldEnv):
         self.observation_space = spaces.Dict({"location": location, "mask": spaces.MultiBinary(1)})
         self.action_space = spaces.Discrete(len(ACTION_TYPES))
         self._state = CorridorState(0.0)
-        self._viewer: CorridorViewer | None = None
 
     @property
     def state(self) -> CorridorState:
@@ -109,6 +109,16 @@ class CorridorEnv(WorldEnv):
     def decision(self) -> Decision:
         """Return the objects and the available ground actions of the present state."""
         return decision(self.state)
+
+    @property
+    def policies(self) -> Policies:
+        """The optimal policy and the random one."""
+        return {"optimal": OptimalPolicy(), "random": RandomPolicy()}
+
+    @property
+    def stage(self) -> Stage:
+        """The floor."""
+        return corridor_stage(self.window)
 
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
         self._state = CorridorState(options["x"]) if options else initial_state(self.np_random)
@@ -126,10 +136,8 @@ class CorridorEnv(WorldEnv):
     def _ended(self) -> int | None:
         return self._state.steps if self._state.steps >= self.max_steps else None
 
-    def _draw(self) -> NDArray[np.uint8]:
-        if self._viewer is None:
-            self._viewer = CorridorViewer(window=self.window, max_steps=self.max_steps)
-        return self._viewer.draw(self._state)
+    def _frame(self) -> Frame:
+        return corridor_frame(self._state, window=self.window, max_steps=self.max_steps)
 
     def _observe(self, state: CorridorState) -> tuple[Arrays, Info]:
         # New arrays every time: callers may keep and change what they are given.

@@ -4,10 +4,10 @@ The game of Stone et al. (2006), with the motion of the RoboCup 2-D server and t
 benchmark, as compiled kernels (Palmer (2015), section 7.5). Create it with
 ``gymnasium.make("relforest/Keepaway-v0")``; `episode_durations` plays many episodes without an environment.
 
-Start with `layout` (the arrays of a game). The server consists of `randomness`, `physics` and `referee`, and
-`bounds` checks recorded steps against it; the players consist of `views`, `memory`, `roles` and their
-imports; `advance` combines both, and `durations` and `events` count. Learners see `scene`, `variables` and
-`policies`; `env`, `vector`, `parallel` and `wrapper` are the environments, `viewer` and `page` draw.
+Start with ``server.layout``, the arrays of a game. `server` moves them, `players` choose commands,
+`decisions` are what a keeper with the ball sees and does, and `play` combines all in its
+one loop, ``play.advance``.
+`env`, `vector`, `parallel` and `wrapper` are the environments; `frames` are what there is to see.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-from .durations import Played, episode_durations, play_episodes
-from .options import KeepawayOptions
-from .policies import HandCodedPolicy, HoldPolicy, RandomPolicy
-from .scene import ACTION_TYPES, SCHEMA
-from .variables import n_variables, state_variables, tile_widths, variable_names
+from .decisions.policies import HandCodedPolicy, HoldPolicy, RandomPolicy
+from .decisions.scene import ACTION_TYPES, SCHEMA
+from .decisions.variables import n_variables, state_variables, tile_widths, variable_names
+from .play.durations import Played, episode_durations, play_episodes
+from .server.options import KeepawayOptions
 
 __all__ = [
     "ACTION_TYPES",

@@ -6,16 +6,19 @@ from collections.abc import Mapping
 from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relforest.playing.frames import Frame, Stage
+from relforest.playing.shapes import Words
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
 from relforest.worlds.arguments import RENDER_MODES
-from relforest.worlds.environment import Arrays, Info, Step, WorldEnv
-from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, Batch
-from relforest.worlds.keepaway.layout import CAPPED, OUT, PLAYING, TAKEN
-from relforest.worlds.keepaway.options import KeepawayOptions
-from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
+from relforest.worlds.environment import Arrays, Info, Policies, Step, WorldEnv
+from relforest.worlds.keepaway.decisions.policies import HandCodedPolicy, HoldPolicy, RandomPolicy
+from relforest.worlds.keepaway.decisions.scene import ACTION_TYPES, NOBODY, SCHEMA
+from relforest.worlds.keepaway.frames import game_frame, game_stage, player_chip
+from relforest.worlds.keepaway.play.batch import DISCOUNT, END_NAMES, Batch
+from relforest.worlds.keepaway.server.layout import CAPPED, OUT, PLAYING, SECOND, TAKEN
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.spaces import action_space, observation_space
 from relforest.worlds.viewing import viewable
 
@@ -43,7 +46,7 @@ class KeepawayEnv(WorldEnv):
     - ``last_times`` (keepers,): when each keeper last had the ball in this episode, before this moment; -1 =
       not yet. This may be later than its last decision: a cycle in which it finished a pass counts too, as
       for the benchmark's learners, which receive the reward ``time - last_times[actor]``.
-    - ``variables``: the state variables of the benchmark, see `relforest.worlds.keepaway.variables`.
+    - ``variables``: the state variables of the benchmark, see `decisions.variables`.
     - ``without_decision``, after a reset: the number of episodes that were skipped because they ended before
       any keeper had the ball.
     - ``end``, at the end: ``"out"``, ``"taken"`` or ``"capped"``.
@@ -98,6 +101,8 @@ class KeepawayEnv(WorldEnv):
         self.observation_space = observation_space(self.setup)
         self.action_space = action_space(self.setup)
         self._batch = Batch(self.setup, 1)
+        # When which keeper passed to whom, or held.
+        self._choice = (0, NOBODY, NOBODY)
 
     @property
     def batch(self) -> Batch:
@@ -109,18 +114,37 @@ class KeepawayEnv(WorldEnv):
         """Return the players and the available ground actions of the present state."""
         return self.batch.decision(0)
 
+    @property
+    def policies(self) -> Policies:
+        """The benchmark's policies."""
+        return {"hand": HandCodedPolicy(), "hold": HoldPolicy(), "random": RandomPolicy()}
+
+    @property
+    def stage(self) -> Stage:
+        """The field."""
+        return game_stage(self.setup)
+
+    def say(self, position: int) -> Words:
+        """Return an action in words, such as "1 passes to 2"."""
+        action, keepers = self.decision().action(position), self.setup.keepers
+        actor, *receiver = (player_chip(player, keepers) for player in action.arguments)
+        return (actor, " passes to ", *receiver) if receiver else (actor, " holds")
+
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
+        self._choice = (0, NOBODY, NOBODY)
         if seed is None and self._begun:
-            self._batch.begin([None])
+            self._batch.begin([None], self._watching)
         else:
-            self._batch.begin([seed_sequence(self.np_random if seed is None else seed)])
+            self._batch.begin([seed_sequence(self.np_random if seed is None else seed)], self._watching)
         info = self._info()
         info["without_decision"] = int(self._batch.seen.skipped[0])
         return self._observation(), info
 
     def _act(self, action: int) -> Step:
         batch = self._batch
-        batch.play(np.array([action]))
+        receiver = int(batch.seen.receivers[0, action - 1]) if action else NOBODY
+        self._choice = (int(batch.times[0]), int(batch.seen.actors[0]), receiver)
+        batch.play(np.array([action]), self._watching)
         end, elapsed, info = int(batch.ends[0]), float(batch.seen.elapsed[0]), self._info()
         info["duration"], info["discounted_reward"] = elapsed, float(batch.discounted(self.discount)[0])
         if end != PLAYING:
@@ -130,8 +154,11 @@ class KeepawayEnv(WorldEnv):
     def _ended(self) -> int | None:
         return None if self._batch.ends[0] == PLAYING else int(self._batch.times[0])
 
-    def _draw(self) -> NDArray[np.uint8]:
-        return self._batch.picture(0)
+    def _frame(self) -> Frame:
+        time, actor, receiver = self._choice
+        # A pass is shown for half a second: by then the ball is on its way.
+        lately = self._batch.times[0] - time <= (1 if receiver == NOBODY else SECOND // 2)
+        return game_frame(self._batch, 0, (actor, receiver) if lately else None)
 
     def _observation(self) -> Arrays:
         return {name: array[0] for name, array in self._batch.observation().items()}

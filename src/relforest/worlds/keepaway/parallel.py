@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
 from relforest.worlds.arguments import checked_action, checked_reset_options
+from relforest.worlds.keepaway.decisions.scene import NOBODY
 from relforest.worlds.keepaway.env import KeepawayEnv, make_keepaway
-from relforest.worlds.keepaway.options import Rules
-from relforest.worlds.keepaway.scene import NOBODY
+from relforest.worlds.keepaway.server.options import Rules
 
 try:
     from pettingzoo import ParallelEnv

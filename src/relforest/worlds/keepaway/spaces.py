@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from gymnasium import spaces
 
-from relforest.worlds.keepaway.layout import Setup
-from relforest.worlds.keepaway.variables import n_variables
+from relforest.worlds.keepaway.decisions.variables import n_variables
+from relforest.worlds.keepaway.server.layout import Setup
 
 BEYOND: Final = 100.0
 """Metres. Players run where the ball will be within a few seconds, and it rolls 50 m at most."""

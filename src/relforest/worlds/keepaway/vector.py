@@ -12,16 +12,18 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from relforest.playing.painter import paint
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, between
 from relforest.support.rng import seed_sequence
 from relforest.worlds.arguments import RENDER_MODES, checked_render_mode, checked_reset_options, checked_seed
-from relforest.worlds.keepaway.batch import DISCOUNT, END_NAMES, RESTART, Batch
+from relforest.worlds.keepaway.decisions.scene import ACTION_TYPES, SCHEMA
 from relforest.worlds.keepaway.env import KeepawayEnv
-from relforest.worlds.keepaway.layout import CAPPED, PLAYING
-from relforest.worlds.keepaway.options import KeepawayOptions, Rules
-from relforest.worlds.keepaway.scene import ACTION_TYPES, SCHEMA
+from relforest.worlds.keepaway.frames import game_frame, game_stage
+from relforest.worlds.keepaway.play.batch import DISCOUNT, END_NAMES, RESTART, Batch
+from relforest.worlds.keepaway.server.layout import CAPPED, PLAYING
+from relforest.worlds.keepaway.server.options import KeepawayOptions, Rules
 from relforest.worlds.keepaway.spaces import action_space, observation_space
 
 _Arrays = dict[str, NDArray[Any]]
@@ -153,7 +155,8 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         """Return a picture of each game, (height, width, 3) uint8 RGB."""
         if self.render_mode is None:
             raise InputError('render() needs a render mode: make the games with render_mode="rgb_array"')
-        return tuple(self.batch.picture(g) for g in range(self.num_envs))
+        stage = game_stage(self.setup)
+        return tuple(paint(stage, game_frame(self.batch, g)) for g in range(self.num_envs))
 
     def close_extras(self) -> None:
         """Stop the threads."""

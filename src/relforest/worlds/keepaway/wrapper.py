@@ -32,7 +32,7 @@ class StateVariables(
 
     See Also
     --------
-    relforest.worlds.keepaway.variables : Their meaning and order.
+    relforest.worlds.keepaway.decisions.variables : Their meaning and order.
 
     Examples
     --------

@@ -1,0 +1,103 @@
+"""Policies that were learned in run folders, ready to play."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.experiments.keepaway_team import Team
+from relforest.experiments.sarsa import is_run_of_sarsa, trained_team
+from relforest.rl.peers import TileCoding
+from relforest.rl.policy import GreedyPolicy
+from relforest.rl.rpi import SMRFRPI
+from relforest.rl.value import ValueFunction
+from relforest.runs.store import CHECKPOINT
+from relforest.smdp import Decision
+from relforest.support.errors import InputError
+from relforest.worlds.keepaway.decisions.variables import n_variables
+from relforest.worlds.keepaway.env import KeepawayEnv
+
+if TYPE_CHECKING:
+    import gymnasium
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class TeamPolicy:
+    """Every keeper has its own Sarsa agent, which sees the state variables."""
+
+    team: Team
+    world: KeepawayEnv
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
+        """Return the position of a best action; there is one for each keeper, in their order."""
+        seen = self.world.batch.seen
+        return self.team[int(seen.actors[0])].greedy(seen.variables[0].copy(), rng)
+
+    def values(self, decision: Decision) -> NDArray[np.float64]:  # noqa: ARG002 - the protocol's
+        """Return the values of all actions, (n_actions,)."""
+        seen = self.world.batch.seen
+        return self.team[int(seen.actors[0])].values(seen.variables[0].copy())
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class AgentPolicy:
+    """What SMRF-RPI has learned, whatever the number of objects."""
+
+    value: ValueFunction
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
+        return GreedyPolicy(self.value).choose(decision, rng)
+
+    def values(self, decision: Decision) -> NDArray[np.float64]:
+        """Return the values of all actions, (n_actions,)."""
+        return self.value.values(decision)
+
+
+def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | AgentPolicy:
+    """Return the policy of a run folder of ``relforest learn``.
+
+    Parameters
+    ----------
+    folder : path
+        Of a single run.
+    env : gymnasium.Env
+        The world to play in. Sarsa plays keepaway, with as many players as it was learned with; SMRF-RPI
+        plays any world with the attributes and action types that it was learned with.
+
+    Raises
+    ------
+    InputError
+        If the folder does not contain a run, or its policy does not fit the world.
+    ModelFormatError
+        If a file in it is damaged.
+    """
+    if (folder / CHECKPOINT).exists():
+        if is_run_of_sarsa(folder):
+            return _team_policy(folder, env.unwrapped)
+        return AgentPolicy(SMRFRPI.load(folder, env).value_)
+    if (folder / "run-00").is_dir():
+        raise InputError(
+            f"{folder} contains several runs: give the folder of one, such as {folder / 'run-00'}"
+        )
+    raise InputError(f"{folder} is not a run: give a folder of 'relforest learn'")
+
+
+def _team_policy(folder: Path, world: object) -> TeamPolicy:
+    team = trained_team(folder)
+    if not isinstance(world, KeepawayEnv):
+        raise InputError(f"{folder} was learned by Sarsa, which plays keepaway only: play keepaway")
+    keepers, takers = world.setup.keepers, world.setup.takers
+    if len(team) != keepers:
+        raise InputError(f"{folder} contains a team of {len(team)} keepers, not {keepers}: choose --keepers")
+    there, here = team[0].features, n_variables(keepers, takers)
+    if isinstance(there, TileCoding) and there.n_variables != here:
+        learned = takers + (there.n_variables - here) // 2
+        raise InputError(f"{folder} was learned against {learned} takers, not {takers}: choose --takers")
+    return TeamPolicy(team, world)

@@ -1,0 +1,262 @@
+"""Plays episodes of a world and records what there is to see."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, Protocol, SupportsFloat, final, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from relforest.playing.frames import Frame, Shown, Stage
+from relforest.playing.shapes import Words
+from relforest.smdp import Decision, World
+from relforest.support.errors import InputError
+from relforest.support.options import between
+from relforest.support.progress import report
+from relforest.support.rng import RandomState, generator, seed_sequence, stream
+
+MOST_EPISODES: Final = 1000
+"""Episodes in one call."""
+
+MOST_THINGS: Final = 2_000_000
+"""Things in all frames together: more than 8 hours of keepaway, about 1 GB of memory."""
+
+MOST_LISTED: Final = 8
+"""Actions of which a recorded choice tells the values."""
+
+
+class Policy(Protocol):
+    """Decides; `Valuing` and `Finishing` are what it may do beside that."""
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        """Return the position of an action in `decision`, which offers at least one."""
+        ...
+
+
+@runtime_checkable
+class Valuing(Protocol):
+    """Tells what it thinks of the actions; that is recorded."""
+
+    def values(self, decision: Decision) -> ArrayLike:
+        """Return the value of each available action, (n_actions,), NaN = unknown."""
+        ...
+
+
+@runtime_checkable
+class Finishing(Protocol):
+    """Says when it would rather do nothing; the episode then ends."""
+
+    def is_finished(self, decision: Decision) -> bool:
+        """Return whether the policy has finished."""
+        ...
+
+
+class Playable(Protocol):
+    """The part of a Gymnasium environment that is used to play."""
+
+    @property
+    def unwrapped(self) -> object:
+        """The world, which is `Shown`."""
+        ...
+
+    def reset(self, *, seed: int | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode."""
+        ...
+
+    def step(self, action: Any, /) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:  # noqa: ANN401 - Gymnasium's
+        """Take an action."""
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A decision, and what came of it.
+
+    Parameters
+    ----------
+    begin, end : float
+        Seconds since the episode began.
+    words : sequence
+        What was chosen.
+    reward : float
+    options : tuple of words
+        The actions to choose from, or the most valuable of many.
+    chosen : int
+        Position among the options.
+    values : tuple of float, optional
+        What the policy thinks of them, NaN = unknown.
+    """
+
+    begin: float
+    end: float
+    words: Words
+    reward: float
+    options: tuple[Words, ...]
+    chosen: int
+    values: tuple[float, ...] | None
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """An episode.
+
+    Parameters
+    ----------
+    stage : Stage
+    frames : tuple of Frame
+        In the order of their times, which differ; at least one.
+    choices : tuple of Choice
+        In order.
+    end : str
+        How it ended, if the world says so in ``info["end"]``.
+
+    Raises
+    ------
+    InputError
+        If there is no frame, or times do not increase.
+    """
+
+    stage: Stage
+    frames: tuple[Frame, ...]
+    choices: tuple[Choice, ...]
+    end: str = ""
+
+    def __post_init__(self) -> None:
+        times = np.array([frame.time for frame in self.frames])
+        if not len(times) or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+            raise InputError("an episode needs frames at finite, increasing times, and at least one")
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the episode."""
+        return self.frames[-1].time
+
+    @property
+    def reward(self) -> float:
+        """Sum of all rewards, undiscounted."""
+        return sum(choice.reward for choice in self.choices)
+
+    @property
+    def scores(self) -> tuple[float, ...]:
+        """The scores of all states that have one, in order."""
+        return tuple(frame.score for frame in self.frames if frame.score is not None)
+
+
+def record_episodes(
+    env: Playable, policy: Policy, episodes: int = 1, seed: RandomState = 0
+) -> tuple[Recording, ...]:
+    """Play episodes and record everything that can be seen.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        Its ``unwrapped`` is a `relforest.smdp.World` that is `Shown`; wrappers are fine.
+    policy : Policy
+    episodes : int
+        Number of episodes, 1 to 1000.
+    seed : int, numpy.random.SeedSequence or Generator
+        The same seed gives the same episodes. Each episode has two random streams, one for the world and one
+        for the policy, as in `relforest.rl.rollout`.
+
+    Returns
+    -------
+    tuple of Recording
+
+    Raises
+    ------
+    InputError
+        If the world gives no frames, ``episodes`` is out of range, the policy returns a position or values
+        that do not fit, or there are more than `MOST_THINGS` to record.
+    """
+    world = env.unwrapped
+    if not isinstance(world, World) or not isinstance(world, Shown):
+        raise InputError(
+            f"{type(world).__name__} cannot be shown: a world needs stage, watch() and say(), "
+            "see relforest.playing.Shown"
+        )
+    episodes, root = between("episodes", episodes, 1, MOST_EPISODES), seed_sequence(seed)
+    recordings: list[Recording] = []
+    watcher = _Watcher()
+    world.watch(watcher.see)
+    try:
+        for episode in range(episodes):
+            report("playing episodes", episode, episodes)
+            env.reset(seed=int(stream(root, episode, 0).generate_state(1)[0]))
+            choices, end = _play(env, world, policy, watcher, generator(stream(root, episode, 1)))
+            recordings.append(Recording(world.stage, watcher.taken(), choices, end))
+    finally:
+        world.watch(None)
+    return tuple(recordings)
+
+
+class _ShownWorld(World, Shown, Protocol):
+    """A world that can be looked at."""
+
+
+def _play(
+    env: Playable, world: _ShownWorld, policy: Policy, watcher: _Watcher, rng: np.random.Generator
+) -> tuple[tuple[Choice, ...], str]:
+    choices: list[Choice] = []
+    ended, info, decision = False, dict[str, Any](), world.decision()
+    while not ended and len(decision):
+        if isinstance(policy, Finishing) and policy.is_finished(decision):
+            break
+        position, begin = policy.choose(decision, rng), watcher.now
+        decision.action(position)
+        shown, values = _listed(policy, decision, int(position))
+        options = tuple(world.say(number) for number in shown)
+        _, reward, terminated, truncated, info = env.step(int(decision.indices[position]))
+        chosen = shown.index(position)
+        choices.append(Choice(begin, watcher.now, options[chosen], float(reward), options, chosen, values))
+        ended, decision = terminated or truncated, world.decision()
+    return tuple(choices), str(info.get("end", ""))
+
+
+def _listed(policy: Policy, decision: Decision, position: int) -> tuple[list[int], tuple[float, ...] | None]:
+    """Return the positions of the actions worth telling, and their values."""
+    if not isinstance(policy, Valuing):
+        return list(range(len(decision))) if len(decision) <= MOST_LISTED else [position], None
+    values = np.asarray(policy.values(decision), dtype=np.float64)
+    if values.shape != (len(decision),):
+        raise InputError(
+            f"values() must return one number for each of {len(decision)} actions, got {values.shape}"
+        )
+    # NaN is sorted to the end.
+    best = np.argsort(-values, kind="stable")[:MOST_LISTED].tolist()
+    shown = sorted(best if position in best else [*best[:-1], position])
+    return shown, tuple(values[shown].tolist())
+
+
+@final
+class _Watcher:
+    """Collects the frames of an episode."""
+
+    def __init__(self) -> None:
+        self._frames: list[Frame] = []
+        self._left = MOST_THINGS
+
+    @property
+    def now(self) -> float:
+        """The time of the latest frame."""
+        return self._frames[-1].time if self._frames else math.nan
+
+    def see(self, frame: Frame) -> None:
+        """Take a frame; it replaces one of the same moment, and all of an episode that was begun anew."""
+        while self._frames and frame.time <= self.now:
+            self._left += len(self._frames.pop().things)
+        self._left -= len(frame.things)
+        if self._left < 0:
+            raise InputError(
+                f"the episodes together show more than {MOST_THINGS} things, the limit for recordings: "
+                "choose fewer or shorter ones"
+            )
+        self._frames.append(frame)
+
+    def taken(self) -> tuple[Frame, ...]:
+        """Return all frames and begin anew."""
+        frames, self._frames = tuple(self._frames), []
+        return frames

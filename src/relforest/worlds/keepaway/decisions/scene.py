@@ -1,0 +1,111 @@
+"""What a relational learner sees of keepaway: the players and the available actions.
+
+The objects are the players, keepers first: where they are, where they face, and the colour of their team. The
+ball is not an object; the player that has it is the holder in every action.
+
+References
+----------
+Palmer (2015), sections 5.3.2 and 7.5.1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.scenes import Attribute, Scenes, Schema
+from relforest.smdp import UNBOUND, ActionType, Decision
+from relforest.support.jit import kernel
+from relforest.worlds.keepaway.server.layout import BODY, X, Y
+
+SCHEMA: Final = Schema((Attribute("location", 2), Attribute("orientation"), Attribute("color", 3)))
+"""Metres from the centre of the field, radians from the x axis, red-green-blue from 0 to 1."""
+
+HOLD_TYPE: Final = 0
+PASS_TYPE: Final = 1
+
+ACTION_TYPES: Final = (ActionType("hold", ("holder",)), ActionType("pass", ("holder", "receiver")))
+
+KEEPER_COLOR: Final = (1.0, 1.0, 0.0)
+TAKER_COLOR: Final = (0.0, 1.0, 1.0)
+
+NOBODY: Final = -1
+"""The actor of a state in which no keeper must decide: the last of an episode."""
+
+_COLUMNS: Final = {name: SCHEMA.columns(name) for name in SCHEMA.names}
+
+
+@kernel
+def describe(players: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """Write location and orientation of the players to their columns of `out`.
+
+    Parameters
+    ----------
+    players : (n, 5) float64
+        x, y, vx, vy in metres and metres per cycle, body direction in degrees.
+    out : (n, 6) float64
+        Objects of a scene; the columns of the colour are left alone.
+    """
+    for i in range(len(players)):
+        out[i, 0] = players[i, X]
+        out[i, 1] = players[i, Y]
+        angle = math.radians(players[i, BODY])
+        # Scenes count angles from above -pi to pi.
+        out[i, 2] = angle if angle > -math.pi else math.pi
+
+
+def objects(keepers: int, takers: int) -> NDArray[np.float64]:
+    """Return the objects of a scene, (n, 6), with everything 0 but the colours of the teams."""
+    matrix = np.zeros((keepers + takers, SCHEMA.width))
+    matrix[:keepers, _COLUMNS["color"]], matrix[keepers:, _COLUMNS["color"]] = KEEPER_COLOR, TAKER_COLOR
+    return matrix
+
+
+def location_of(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return where the objects of scenes are: a view (..., n, 2) of their matrix (..., n, 6), in metres."""
+    return matrix[..., _COLUMNS["location"]]
+
+
+def attributes_of(matrix: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return a new array for each attribute of objects (..., n, 6), as observations hold them."""
+    return {name: matrix[..., columns].copy() for name, columns in _COLUMNS.items()}
+
+
+def blank_scenes(games: int, keepers: int, takers: int) -> Scenes:
+    """Return one scene per game to put objects into with `Scenes.with_matrix`.
+
+    The object ids are ``"keeper_0"``, ``"keeper_1"``, ... and ``"taker_0"``, ``"taker_1"``, ...
+    """
+    n = keepers + takers
+    names = [*(f"keeper_{i}" for i in range(keepers)), *(f"taker_{i}" for i in range(takers))]
+    return Scenes(
+        SCHEMA,
+        matrix=np.zeros((games * n, SCHEMA.width)),
+        rows=np.arange(games * n),
+        starts=np.arange(games) * n,
+        counts=np.full(games, n),
+        object_ids=np.array(names * games, dtype=object),
+    )
+
+
+def decision(matrix: NDArray[np.float64], actor: int, receivers: NDArray[np.int64]) -> Decision:
+    """Return the objects and the actions of a state.
+
+    Parameters
+    ----------
+    matrix : (n, 6) float64
+        The objects.
+    actor : int
+        The keeper that has the ball and must decide, or `NOBODY`, which means that no action is available.
+    receivers : (keepers - 1,) int64
+        Its teammates in the order of the actions 1, 2, ...: the nearest to it first.
+    """
+    count = 0 if actor == NOBODY else len(receivers) + 1
+    arguments = np.full((count, 2), UNBOUND)
+    if count:
+        arguments[:, 0], arguments[1:, 1] = actor, receivers
+    indices = np.arange(count)
+    return Decision(matrix, np.minimum(indices, PASS_TYPE), arguments, indices)
