@@ -26,6 +26,15 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
 
     Subclasses implement learning (`_fit`) and the scores of bags (`_bag_scores`).
 
+    Attributes
+    ----------
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    n_features_in_ : int
+        Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
+
     Notes
     -----
     Pass bags as a list of 2-D arrays, as a tuple ``(X, bag_ids)`` with labels in the order in which the bags

@@ -50,12 +50,6 @@ class DiverseDensityClassifier(InstanceClassifier):
         ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
     negative_log_density_ : float
         Negative logarithm of the diverse density, the probability of all training labels.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----

@@ -66,12 +66,6 @@ class MILESClassifier(BagClassifier):
         Number of passes.
     converged_ : bool
         Whether the tolerance was reached; often false with the default C if classes overlap.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----

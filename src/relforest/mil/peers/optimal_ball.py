@@ -43,12 +43,6 @@ class OptimalBallClassifier(InstanceClassifier):
         normalisation; with it, 1 / range, and 0 for features that are constant in training.
     radius_ : float
         Largest distance of a point inside.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
