@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
+from numpy.random import MT19937
 from numpy.random import RandomState as LegacyGenerator
 
 from relforest.support.jit import kernel
@@ -125,7 +126,7 @@ def train_sparse_machine(
 
 def _generator(seed: int) -> np.random.Generator:
     """Return LIBLINEAR's generator for a seed, from which scikit-learn derives that of LIBLINEAR."""
-    bits = np.random.MT19937()
+    bits = MT19937()
     bits.state = LegacyGenerator(LegacyGenerator(seed).randint(2**31 - 1)).get_state(legacy=False)
     return np.random.Generator(bits)
 
