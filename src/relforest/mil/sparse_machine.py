@@ -127,7 +127,7 @@ def train_sparse_machine(
 def _generator(seed: int) -> np.random.Generator:
     """Return LIBLINEAR's generator for a seed, from which scikit-learn derives that of LIBLINEAR."""
     bits = MT19937()
-    bits.state = LegacyGenerator(LegacyGenerator(seed).randint(2**31 - 1)).get_state(legacy=False)
+    LegacyGenerator(bits).seed(LegacyGenerator(seed).randint(2**31 - 1))
     return np.random.Generator(bits)
 
 
