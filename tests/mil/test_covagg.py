@@ -327,7 +327,7 @@ def test_unknown_volumes_are_refused(option: str) -> None:
 
 
 def test_a_search_without_result_is_a_fault_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("relforest.mil.aggregated.aggregate", lambda *_args, **_options: None)
+    monkeypatch.setattr("relforest.mil.covagg.aggregate", lambda *_args, **_options: None)
     with pytest.raises(AssertionError, match="no volume was found although both classes are present"):
         CovAggClassifier().fit(BAGS, Y)
 

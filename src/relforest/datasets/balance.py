@@ -80,10 +80,11 @@ def balanced(rng: np.random.Generator, n_scenes: int, draw: Callable[[int], Cand
     )
 
 
-def to_scenes(schema: Schema, candidates: Candidates, *, n_arguments: int = 0) -> Scenes:
-    """Return the candidates as a batch; the first objects of a scene are its arguments."""
+def to_scenes(schema: Schema, candidates: Candidates) -> tuple[Scenes, NDArray[np.bool_]]:
+    """Return the candidates as a batch, with labels; the first objects of a scene are its arguments."""
     counts = candidates.counts
     matrix = candidates.objects[is_object(counts, candidates.objects.shape[1])]
     starts = np.cumsum(counts) - counts
-    arguments = starts[:, np.newaxis] + np.arange(n_arguments)
-    return Scenes(schema, matrix, np.arange(len(matrix)), starts, counts.copy(), arguments)
+    arguments = starts[:, np.newaxis] + np.arange(len(schema.parameters))
+    scenes = Scenes(schema, matrix, np.arange(len(matrix)), starts, counts.copy(), arguments)
+    return scenes, candidates.labels

@@ -21,6 +21,9 @@ __all__ = ["between_scenes", "figure41_scenes", "yellow_scenes"]
 
 NumberOfObjects: TypeAlias = int | tuple[int, int]
 
+_PLACED_PAIR: Final = Schema((Attribute("location", 2),), parameters=("A", "B"))
+_PLACED_COLORS: Final = Schema((Attribute("location", 2), Attribute("color", 3)))
+
 _BETWEEN_WIDTH: Final = 10.0
 _BETWEEN_ALONG: Final = (0.2, 0.8)
 _BETWEEN_ACROSS: Final = 0.15
@@ -94,9 +97,7 @@ def between_scenes(
         labels = np.any(_is_between(location) & is_object(counts, location.shape[1]), axis=1)
         return Candidates(location, counts + n_distractors, labels)
 
-    candidates = balanced(rng, n_scenes, draw)
-    schema = Schema((Attribute("location", 2),), parameters=("A", "B"))
-    return to_scenes(schema, candidates, n_arguments=2), candidates.labels
+    return to_scenes(_PLACED_PAIR, balanced(rng, n_scenes, draw))
 
 
 def figure41_scenes(
@@ -109,12 +110,8 @@ def figure41_scenes(
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n_scenes : int
-        Number of scenes, at least 2; ``n_scenes // 2`` of them are positive.
-    n_objects : int or pair of int
-        Number of objects of a scene, or its smallest and largest value (uniform); at least 1.
+    rng, n_scenes, n_objects
+        As in `between_scenes`, but a scene may have a single object.
 
     Returns
     -------
@@ -155,9 +152,7 @@ def figure41_scenes(
         labels = (present & ((red & at_origin) | (~red & has_far))).any(axis=1)
         return Candidates(np.concatenate([location, color], axis=-1), counts, labels)
 
-    candidates = balanced(rng, n_scenes, draw)
-    schema = Schema((Attribute("location", 2), Attribute("color", 3)))
-    return to_scenes(schema, candidates), candidates.labels
+    return to_scenes(_PLACED_COLORS, balanced(rng, n_scenes, draw))
 
 
 def yellow_scenes(
@@ -167,12 +162,8 @@ def yellow_scenes(
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n_scenes : int
-        Number of scenes, at least 2; ``n_scenes // 2`` of them are positive.
-    n_objects : int or pair of int
-        Number of objects of a scene, or its smallest and largest value (uniform); at least 1.
+    rng, n_scenes, n_objects
+        As in `between_scenes`, but a scene may have a single object.
 
     Returns
     -------
@@ -211,9 +202,7 @@ def yellow_scenes(
         labels = (yellow & is_object(counts, highest)).any(axis=1)
         return Candidates(np.concatenate([location, color], axis=-1), counts, labels)
 
-    candidates = balanced(rng, n_scenes, draw)
-    schema = Schema((Attribute("location", 2), Attribute("color", 3)))
-    return to_scenes(schema, candidates), candidates.labels
+    return to_scenes(_PLACED_COLORS, balanced(rng, n_scenes, draw))
 
 
 def _is_between(location: NDArray[np.float64]) -> NDArray[np.bool_]:

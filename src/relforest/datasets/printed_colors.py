@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.datasets.bag_set import BagSet
-from relforest.datasets.planting import plant
+from relforest.datasets.synthetic_bags import plant
 from relforest.support.options import at_least
 
 __all__ = ["color"]
@@ -31,10 +31,8 @@ def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n_bags : int
-        Number of bags, at least 2; ``n_bags // 2`` of them are positive.
+    rng, n_bags
+        As in `covariant1`.
 
     Returns
     -------

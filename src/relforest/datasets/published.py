@@ -74,18 +74,7 @@ def fetch(name: str, *, data_home: Folder | None = None, base_url: str | None = 
 def read_published(
     about: About, registry: Mapping[str, str], *, data_home: Folder | None, base_url: str | None
 ) -> BagSet:
-    """Find, read and check the file of a data set; see `fetch`.
-
-    Parameters
-    ----------
-    about : About
-        The data set.
-    registry : mapping of str to str
-        SHA-256 hashes of files by name.
-    data_home : path or None
-        The cache.
-    base_url : str or None
-        Address of the folder to download from.
+    """Find, read and check the file of a data set; `registry` maps file names to SHA-256 hashes.
 
     Raises
     ------

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.datasets.bag_set import BagSet
-from relforest.datasets.planting import plant
 from relforest.support.options import at_least, one_of
 
-__all__ = ["covariant1", "covariant2", "disjunctive"]
+__all__ = ["covariant1", "covariant2", "disjunctive", "plant"]
 
 # Square root of [[.52, .48], [.48, .52]]: standard deviations 1 along (1, 1) and 1/5 along (1, -1).
 _DIAGONAL_ROOT: Final = np.array([[0.6, 0.4], [0.4, 0.6]])
@@ -72,10 +71,8 @@ def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n_bags : int
-        Number of bags, at least 2; ``n_bags // 2`` of them are positive.
+    rng, n_bags
+        As in `covariant1`.
 
     Returns
     -------
@@ -105,10 +102,8 @@ def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    n_bags : int
-        Number of bags, at least 2; ``n_bags // 2`` of them are positive.
+    rng, n_bags
+        As in `covariant1`.
 
     Returns
     -------
@@ -138,3 +133,32 @@ def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 def _diagonal(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
     points: NDArray[np.float64] = rng.standard_normal((n, 2)) @ _DIAGONAL_ROOT
     return points
+
+
+def plant(rng: np.random.Generator, positives: NDArray[np.float64], bags: NDArray[np.float64]) -> BagSet:
+    """Label half of the bags positive and put one positive point into each of those.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of the order of the labels and of the places.
+    positives : (n_bags, d) float64
+        A positive point for every bag, used in the positive ones.
+    bags : (n_bags, size, d) float64
+        Negative points; one in each positive bag is overwritten.
+
+    Returns
+    -------
+    BagSet
+        ``n_bags // 2`` of the bags are positive.
+
+    References
+    ----------
+    Palmer (2015), section 3.3.1.
+    """
+    n_bags, size, _ = bags.shape
+    labels = np.arange(n_bags) < n_bags // 2
+    rng.shuffle(labels)
+    places = rng.integers(size, size=(n_bags,))
+    bags[labels, places[labels]] = positives[labels]
+    return BagSet(list(bags), labels)

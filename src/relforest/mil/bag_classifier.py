@@ -26,6 +26,15 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
 
     Subclasses implement learning (`_fit`) and the scores of bags (`_bag_scores`).
 
+    Attributes
+    ----------
+    classes_ : ndarray (2,)
+        The two labels; ``classes_[1]`` is the positive class.
+    n_features_in_ : int
+        Dimension of the points.
+    feature_names_in_ : ndarray (d,) of str
+        Names of the columns, if bags were data frames with such names in `fit`.
+
     Notes
     -----
     Pass bags as a list of 2-D arrays, as a tuple ``(X, bag_ids)`` with labels in the order in which the bags
@@ -74,7 +83,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         InputError
             If bags are malformed, or their columns or number of features differ from those in `fit`.
         """
-        data = self._checked(bags)
+        data = bags_like_those_of_fit(self, bags)
         with one_blas_thread():
             return self._bag_scores(data)
 
@@ -91,9 +100,6 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
     @abstractmethod
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
         """Score of each bag, shape (n_bags,); at least 0 where positive."""
-
-    def _checked(self, bags: object) -> Bags:
-        return bags_like_those_of_fit(self, bags)
 
     def __sklearn_tags__(self) -> Tags:
         """Scikit-learn's tags, for binary classification only."""
@@ -130,14 +136,9 @@ class InstanceClassifier(BagClassifier, ABC):
     def decision_instances(self, bags: object) -> list[NDArray[np.float64]]:
         """Score of each instance, at least 0 where positive; one array per bag, in the bag's order.
 
-        Raises
-        ------
-        NotFittedError
-            Before `fit`.
-        InputError
-            If bags are malformed, or their columns or number of features differ from those in `fit`.
+        It raises the errors of `decision_function`.
         """
-        data = self._checked(bags)
+        data = bags_like_those_of_fit(self, bags)
         with one_blas_thread():
             return np.split(self._instance_scores(data.points), data.starts[1:-1])
 

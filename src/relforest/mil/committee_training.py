@@ -6,7 +6,7 @@ Letters: n points, d features, b bags, t bags left out, m balls, k volumes, f co
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import TypeAlias, final
 
 import numpy as np
 from numpy.random import RandomState as LegacyGenerator
@@ -17,7 +17,10 @@ from relforest.mil.placed_volume import PlacedVolume, bag_nearness
 from relforest.mil.volume_panels import BALL_RULES, PANELS, Rule, find_volumes, rows_of, volume_rule
 from relforest.support.rng import generator, stream
 
-__all__ = ["PanelMember", "PanelVolumes", "Training", "find_split_volumes", "split_bags", "train_panels"]
+__all__ = ["PanelMember", "Training", "find_split_volumes", "split_bags", "train_panels"]
+
+# Volumes of a panel, and the nearness (b, k) of all bags to them.
+FoundVolumes: TypeAlias = tuple[list[PlacedVolume], NDArray[np.float64]]
 
 
 @final
@@ -33,15 +36,6 @@ class Training:
     ball_features: dict[str, NDArray[np.float64]]  # (b, m) for each of `BALL_RULES`
     n_volumes: int
     part_size: int
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class PanelVolumes:
-    """Volumes of a panel, and the nearness of all bags to them."""
-
-    volumes: list[PlacedVolume]
-    near: NDArray[np.float64]  # (b, k)
 
 
 @final
@@ -77,7 +71,7 @@ def split_bags(
 
 def find_split_volumes(
     training: Training, panels: tuple[str, ...], train: NDArray[np.int64], seed: np.random.SeedSequence
-) -> dict[str, PanelVolumes]:
+) -> dict[str, FoundVolumes]:
     """Aggregate the volumes of each volume panel from the bags `train`."""
     positive = training.positive[train]
     rows, starts = rows_of(training.starts, train)
@@ -96,14 +90,14 @@ def find_split_volumes(
             part_size=training.part_size,
             rng=rng,
         )
-        found[name] = PanelVolumes(volumes, bag_nearness(volumes, training.points, training.starts))
+        found[name] = volumes, bag_nearness(volumes, training.points, training.starts)
     return found
 
 
 def train_panels(
     training: Training,
     panels: tuple[str, ...],
-    found: dict[str, PanelVolumes],
+    found: dict[str, FoundVolumes],
     train: NDArray[np.int64],
     test: NDArray[np.int64],
 ) -> list[PanelMember]:
@@ -114,7 +108,7 @@ def train_panels(
         balls = np.empty(0, dtype=np.int64)
         volumes: list[PlacedVolume] = []
         if name in found:
-            volumes, near = found[name].volumes, found[name].near
+            volumes, near = found[name]
             rule = volume_rule(near[train], positive)
         else:
             balls = np.flatnonzero(np.isin(training.ball_bags, train))

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.aggregated import aggregated_volume
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.scenes.bags import Bags
 from relforest.support.rng import RandomState, generator, seed_sequence
-from relforest.volumes import CovAggSettings
+from relforest.volumes import Arc, CovAggSettings, Ellipsoid, Slab, aggregate
 from relforest.volumes.settings import Shape, VolumeLearner
 
 if TYPE_CHECKING:
@@ -114,3 +113,19 @@ class CovAggClassifier(InstanceClassifier):
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Radius minus distance from the centre (eq. 3.3)."""
         return self.volume_.radius - self.volume_.distance(points)
+
+
+def aggregated_volume(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    positive: NDArray[np.bool_],
+    *,
+    rng: np.random.Generator,
+    settings: CovAggSettings,
+) -> Ellipsoid | Slab:
+    """Return the best volume of `relforest.volumes.aggregate`, which exists if both classes do."""
+    found = aggregate(points, starts, positive, rng=rng, settings=settings)
+    if found is None or isinstance(found.volume, Arc):
+        msg = "no volume was found although both classes are present; please report this"
+        raise AssertionError(msg)
+    return found.volume

@@ -8,13 +8,11 @@ Letters: b examples, k features.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from scipy.optimize import minimize
-
-from relforest.support.jit import kernel
+from sklearn._loss import HalfBinomialLoss
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,10 +52,11 @@ def fit_logistic(
     importance = np.where(positive, *reversed(balance(positive)))
     total = float(importance.sum())
     pull = 1.0 / (C * total)
+    binomial = HalfBinomialLoss()
 
     def loss(parameters: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         weights, intercept = parameters[:-1], parameters[-1]
-        losses, slopes = _pointwise(target, features @ weights + intercept, importance)
+        losses, slopes = binomial.loss_gradient(target, features @ weights + intercept, importance)
         slopes /= total
         value = float(losses.sum() / total) + float(0.5 * pull * (weights @ weights))
         return value, np.append(features.T @ slopes + pull * weights, slopes.sum())
@@ -71,31 +70,3 @@ def fit_logistic(
         options={"maxiter": _MOST_STEPS, "maxls": _MOST_TRIALS, "gtol": _SLOPE, "ftol": _GAIN},
     ).x
     return best[:-1], float(best[-1])
-
-
-@kernel
-def _pointwise(
-    target: NDArray[np.float64], odds: NDArray[np.float64], importance: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the loss of each example and its derivative with respect to the log odds.
-
-    Each range has a form in which exponentials do not overflow and no digits are lost.
-    """
-    losses, slopes = np.empty(len(odds)), np.empty(len(odds))
-    for i in range(len(odds)):
-        y, x = target[i], odds[i]
-        if x <= -37.0:
-            small = math.exp(x)
-            losses[i] = small - y * x
-            slopes[i] = small - y
-        elif x <= -2.0:
-            small = math.exp(x)
-            losses[i] = math.log1p(small) - y * x
-            slopes[i] = ((1.0 - y) * small - y) / (1.0 + small)
-        else:
-            small = math.exp(-x)
-            losses[i] = (math.log1p(small) if x <= 18.0 else small) + (1.0 - y) * x
-            slopes[i] = ((1.0 - y) - y * small) / (1.0 + small)
-        losses[i] *= importance[i]
-        slopes[i] *= importance[i]
-    return losses, slopes

@@ -40,14 +40,6 @@ def nearness(distances: NDArray[np.float64], radius: float) -> NDArray[np.float6
     return near
 
 
-def bag_means(values: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Mean of values (n, ...) over the points of each bag, given by `starts` (b + 1,); shape (b, ...)."""
-    sums: NDArray[np.float64] = np.add.reduceat(values, starts[:-1], axis=0)
-    counts = np.diff(starts).reshape(-1, *[1] * (values.ndim - 1))
-    means: NDArray[np.float64] = sums / counts
-    return means
-
-
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacedVolume:
@@ -155,7 +147,8 @@ class Balls:
             near, share = self.point_nearness(self.view.coordinates(points[rows]))
             within = starts[first : last + 1] - starts[first]
             np.maximum.reduceat(near, within[:-1], axis=0, out=nearest[first:last])
-            shares[first:last] = bag_means(share, within)
+            sums = np.add.reduceat(share, within[:-1], axis=0)
+            shares[first:last] = sums / np.diff(within)[:, np.newaxis]
         return nearest, shares
 
     def without_idle(self) -> Balls:

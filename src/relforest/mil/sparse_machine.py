@@ -2,7 +2,7 @@
 
 The algorithm and its results are those of LIBLINEAR, to the last bit. LIBLINEAR, however, shares one random
 generator within a process, so its result depends on what other threads train at the same time; here every
-machine has its own generator.
+machine has its own generator, NumPy's Mersenne twister, which draws the same numbers.
 
 Dimensions: n examples; k features, including the intercept.
 
@@ -19,8 +19,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
+from numpy.random import MT19937
+from numpy.random import RandomState as LegacyGenerator
 
-from relforest.mil.twister import next_below, next_word, seeded
 from relforest.support.jit import kernel
 from relforest.support.progress import report
 
@@ -34,10 +35,6 @@ _MOST_HALVINGS: Final = 20
 _DECREASE: Final = 0.01
 _LEAST_CURVATURE: Final = 1e-12
 _LEAST_STEP: Final = 1e-12
-# Places in `Descent.numbers`.
-_LARGEST, _FIRST_SUM = 0, 1
-# Places in `Descent.counts`.
-_ACTIVE, _PASSES, _ENDED = 0, 1, 2
 
 
 @final
@@ -71,9 +68,6 @@ class Descent(NamedTuple):
     weights: NDArray[np.float64]  # (k,)
     slack: NDArray[np.float64]  # (n,) 1 minus the margin
     order: NDArray[np.int64]  # (k,) the active features first
-    twister: NDArray[np.int64]
-    numbers: NDArray[np.float64]  # (2,) largest violation of the last pass, sum of violations of the first
-    counts: NDArray[np.int64]  # (3,) active features, passes made, whether it ended
 
 
 def train_sparse_machine(
@@ -114,84 +108,70 @@ def train_sparse_machine(
     columns[: features.shape[1]] = features[grouped].T
     columns[features.shape[1] :] = 1.0
     columns *= sign
-    descent = _started(columns, np.where(sign > 0.0, prices[1], prices[0]), seed)
-    n_positive = int(np.count_nonzero(positive))
-    tol *= max(1, min(n_positive, len(features) - n_positive))
-    tol /= len(features)
-    while not descent.counts[_ENDED]:
-        done = int(descent.counts[_PASSES])
-        report("training a linear machine: passes", done, max_passes)
-        _descend(descent, tol, min(max_passes, done + _PASSES_PER_REPORT), max_passes)
-    n_passes = int(descent.counts[_PASSES])
-    n_weights = features.shape[1]
-    intercept = float(descent.weights[n_weights]) if fit_intercept else 0.0
-    return SparseMachine(descent.weights[:n_weights].copy(), intercept, n_passes, n_passes < max_passes)
-
-
-def _started(columns: NDArray[np.float64], prices: NDArray[np.float64], seed: int) -> Descent:
+    example_prices = np.where(sign > 0.0, prices[1], prices[0])
+    # Summed one after the other, as in LIBLINEAR.
+    curvatures = np.cumsum(example_prices * columns * columns, axis=1)[:, -1].copy()
     n_weights, n_examples = columns.shape
-    # Scikit-learn derives LIBLINEAR's seed in this way.
-    words = seeded(seed)
-    derived = next_word(words) & 0x7FFFFFFF
-    while derived > 2**31 - 2:
-        derived = next_word(words) & 0x7FFFFFFF
-    return Descent(
-        columns,
-        prices,
-        _curvatures(columns, prices),
-        np.zeros(n_weights),
-        np.ones(n_examples),
-        np.arange(n_weights),
-        seeded(derived),
-        np.array([np.inf, -1.0]),
-        np.array([n_weights, 0, 0]),
+    descent = Descent(
+        columns, example_prices, curvatures, np.zeros(n_weights), np.ones(n_examples), np.arange(n_weights)
     )
+    n_positive = int(np.count_nonzero(positive))
+    tol *= max(1, min(n_positive, n_examples - n_positive))
+    tol /= n_examples
+    n_passes = _descend(descent, tol, max_passes, _generator(seed))
+    weights = descent.weights[: features.shape[1]]
+    intercept = float(descent.weights[-1]) if fit_intercept else 0.0
+    return SparseMachine(weights.copy(), intercept, n_passes, n_passes < max_passes)
 
 
-@kernel
-def _curvatures(columns: NDArray[np.float64], prices: NDArray[np.float64]) -> NDArray[np.float64]:
-    curvatures = np.zeros(len(columns))
-    for k in range(len(columns)):
-        for i in range(len(prices)):
-            curvatures[k] += prices[i] * columns[k, i] * columns[k, i]
-    return curvatures
+def _generator(seed: int) -> np.random.Generator:
+    """Return LIBLINEAR's generator for a seed, from which scikit-learn derives that of LIBLINEAR."""
+    bits = MT19937()
+    LegacyGenerator(bits).seed(LegacyGenerator(seed).randint(2**31 - 1))
+    return np.random.Generator(bits)
 
 
-@kernel
-def _descend(descent: Descent, tol: float, until: int, max_passes: int) -> None:
-    """Make passes until `until`, or until the violations are small enough; end at `max_passes`."""
-    counts, numbers = descent.counts, descent.numbers
-    while counts[_PASSES] < until:
-        largest, total = _pass(descent)
-        if counts[_PASSES] == 0:
-            numbers[_FIRST_SUM] = total
-        counts[_PASSES] += 1
-        numbers[_LARGEST] = largest
-        if total <= tol * numbers[_FIRST_SUM]:
-            if counts[_ACTIVE] == len(descent.weights):
-                counts[_ENDED] = 1
-                return
+def _descend(descent: Descent, tol: float, max_passes: int, rng: np.random.Generator) -> int:
+    """Make passes until the violations are small enough, at most `max_passes`; return their number."""
+    n_weights, n_examples = descent.columns.shape
+    left = np.arange(n_weights, 0, -1)
+    n_active, largest, first_sum = n_weights, np.inf, 0.0
+    for number in range(max_passes):
+        if number % _PASSES_PER_REPORT == 0:
+            report("training a linear machine: passes", number, max_passes)
+        swaps = rng.integers(left[n_weights - n_active :])
+        if n_active:
+            # LIBLINEAR draws a number even where there is no choice.
+            rng.bit_generator.random_raw()
+        n_active, largest, total = _pass(descent, swaps, largest / n_examples)
+        first_sum = first_sum if number else total
+        if total <= tol * first_sum:
+            if n_active == n_weights:
+                return number + 1
             # Features that were set aside must be checked again.
-            counts[_ACTIVE] = len(descent.weights)
-            numbers[_LARGEST] = np.inf
-    counts[_ENDED] = counts[_PASSES] >= max_passes
+            n_active, largest = n_weights, np.inf
+    return max_passes
 
 
 @kernel
-def _pass(descent: Descent) -> tuple[float, float]:
-    """Improve every active weight once, in random order; return the largest violation and the sum."""
-    counts, order, weights = descent.counts, descent.order, descent.weights
-    margin = descent.numbers[_LARGEST] / len(descent.slack)
-    for place in range(counts[_ACTIVE]):
-        _swap(order, place, place + next_below(descent.twister, counts[_ACTIVE] - place))
+def _pass(descent: Descent, swaps: NDArray[np.int64], margin: float) -> tuple[int, float, float]:
+    """Improve every active weight once, in random order.
+
+    Return the number of features still active, the largest violation, and the sum of violations.
+    """
+    order, weights = descent.order, descent.weights
+    n_active = len(swaps)
+    for place in range(n_active):
+        other = place + swaps[place]
+        order[place], order[other] = order[other], order[place]
     largest, total = 0.0, 0.0
     place = 0
-    while place < counts[_ACTIVE]:
+    while place < n_active:
         k = order[place]
         slope, curvature = _derivatives(descent.columns[k], descent.prices, descent.slack)
         if weights[k] == 0.0 and slope + 1.0 > margin and slope - 1.0 < -margin:
-            counts[_ACTIVE] -= 1
-            _swap(order, place, counts[_ACTIVE])
+            n_active -= 1
+            order[place], order[n_active] = order[n_active], order[place]
             continue
         violation = _violation(weights[k], slope)
         largest = max(largest, violation)
@@ -200,12 +180,7 @@ def _pass(descent: Descent) -> tuple[float, float]:
         if abs(step) >= _LEAST_STEP:
             _move(descent, k, step, slope)
         place += 1
-    return largest, total
-
-
-@kernel
-def _swap(order: NDArray[np.int64], one: int, other: int) -> None:
-    order[one], order[other] = order[other], order[one]
+    return n_active, largest, total
 
 
 @kernel

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import BagClassifier
+from relforest.mil.bag_classifier import BagClassifier, bags_like_those_of_fit
 from relforest.mil.committee_training import (
     PanelMember,
     Training,
@@ -255,16 +255,9 @@ class VolumeCommitteeClassifier(BagClassifier):
         """Contribution of each instance to the score of its bag; one array per bag, in the bag's order.
 
         This is the score minus the score without the instance; for the only instance of a bag, the score
-        minus the intercept.
-
-        Raises
-        ------
-        NotFittedError
-            Before `fit`.
-        InputError
-            If bags are malformed, or their columns or number of features differ from those in `fit`.
+        minus the intercept. It raises the errors of `decision_function`.
         """
-        data = self._checked(bags)
+        data = bags_like_those_of_fit(self, bags)
         with one_blas_thread():
             return np.split(self._influences(data), data.starts[1:-1])
 

@@ -14,7 +14,7 @@ from typing import Final, Literal, cast, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.mil.aggregated import aggregated_volume
+from relforest.mil.covagg import aggregated_volume
 from relforest.mil.feature_view import FeatureView
 from relforest.mil.logistic_rule import balance, fit_logistic
 from relforest.mil.placed_volume import PlacedVolume

@@ -40,10 +40,10 @@ def follow(successors: list[int], *, solved: bool = True) -> Callable[[NDArray[A
 def test_rounds_end_where_a_choice_repeats(
     successors: list[int], max_rounds: int, expected: tuple[float, int, bool]
 ) -> None:
-    ended = alternate(follow(successors), np.array([0]), max_rounds)
+    machine, n_rounds, converged = alternate(follow(successors), np.array([0]), max_rounds)
 
-    assert (ended.machine.intercept, ended.n_rounds, ended.converged) == expected
+    assert (machine.intercept, n_rounds, converged) == expected
 
 
 def test_a_solver_that_gave_up_did_not_converge() -> None:
-    assert not alternate(follow([0], solved=False), np.array([0]), 5).converged
+    assert not alternate(follow([0], solved=False), np.array([0]), 5)[2]

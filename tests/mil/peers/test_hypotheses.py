@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from relforest.mil.peers import DiverseDensityClassifier
 from relforest.mil.peers.hypotheses import search_space
+from relforest.mil.peers.noisy_or import instance_log_odds
 from relforest.scenes import as_bags
 
 # Feature 0: mean 3, deviation 2; feature 1 is constant.
@@ -36,10 +38,13 @@ def test_starts_are_the_different_instances_of_the_bags_chosen() -> None:
 
 def test_a_hypothesis_comes_back_in_the_units_of_the_bags() -> None:
     search = search_space(BAGS, POSITIVE, scale=True)
-    hypothesis = search.in_own_units(np.array([[0.5, 0.0], [-3.0, 0.0]]))
+    center, scales = search.in_own_units(np.array([[0.5, 0.0], [-3.0, 0.0]]))
 
     # 3 + 0.5 * 2; scales count as absolute values, per deviation: 3 / 2.
-    assert hypothesis.center.tolist() == [4, 7]
-    assert hypothesis.scales.tolist() == [1.5, 0]
+    assert center.tolist() == [4, 7]
+    assert scales.tolist() == [1.5, 0]
+    model = DiverseDensityClassifier()
+    model.center_, model.scales_ = center, scales
     # (1.5 * 2)^2, whatever the constant feature says.
-    assert hypothesis.squared_distances(np.array([[6.0, 100.0], [4.0, 0.0]])).tolist() == [9, 0]
+    expected = instance_log_odds(np.array([9.0, 0.0]))
+    assert model._instance_scores(np.array([[6.0, 100.0], [4.0, 0.0]])).tolist() == expected.tolist()

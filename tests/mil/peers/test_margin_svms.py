@@ -19,6 +19,7 @@ from relforest.mil.peers import (
     SingleInstanceSVMClassifier,
     kernel_machine,
 )
+from relforest.support.errors import InputError
 
 Floats = NDArray[np.float64]
 Machine = type[BagMarginSVMClassifier | InstanceMarginSVMClassifier | SingleInstanceSVMClassifier]
@@ -206,3 +207,19 @@ def test_rounds_are_capped() -> None:
         assert not stopped.converged_
     assert not SingleInstanceSVMClassifier(max_solver_iter=3).fit(bags, y).converged_
     assert SingleInstanceSVMClassifier().fit(bags, y).converged_
+
+
+@each_machine
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("C", 0.0, "C must be a finite number above 0, got 0.0"),
+        ("C", np.nan, "C must be a finite number above 0, got nan"),
+        ("tol", 0.0, "tol must be a finite number above 0, got 0.0"),
+        ("max_solver_iter", 0, "max_solver_iter must be an integer of at least 1, got 0"),
+    ],
+)
+def test_options_out_of_range_are_refused(kind: Machine, option: str, value: float, message: str) -> None:
+    bags, y = drawn()
+    with pytest.raises(InputError, match=message):
+        kind(**{option: value}).fit(bags, y)  # type: ignore[arg-type]

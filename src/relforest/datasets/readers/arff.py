@@ -100,23 +100,9 @@ def read_relation(
     usual: str | None = None,
     encoding: str | None = None,
 ) -> tuple[BagRelation, BagSet]:
-    """Return the declarations of a file along with its bags; see `read_arff`.
+    """Return the declarations of a file along with its bags, as `read_arff` does.
 
-    Parameters
-    ----------
-    path : path or open file
-        The file.
-    positive : str or None
-        The label of positive bags.
-    usual : str or None
-        The label of positive bags in files that have it, if ``positive`` is not given.
-    encoding : str or None
-        Of the file.
-
-    Raises
-    ------
-    InputError
-        As `read_arff` says.
+    `usual` is the label of positive bags in files that have it, if `positive` is not given.
     """
     origin = name_of(path)
     lines = enumerate(split_lines(read_text(path, encoding)), start=1)

@@ -98,26 +98,7 @@ def parse_csv(
     positive: str | None = None,
     dialect: Dialect = ANY_DIALECT,
 ) -> BagSet:
-    """Return the bags of a CSV table in memory; see `read_csv`.
-
-    Parameters
-    ----------
-    data : bytes
-        The content of the file, unpacked.
-    columns : Columns
-        The columns to read.
-    origin : str
-        The file, for messages.
-    positive : str or None
-        The label of positive bags.
-    dialect : Dialect
-        How the file is written.
-
-    Raises
-    ------
-    InputError
-        As `read_csv` says.
-    """
+    """Return the bags of a CSV table in memory, unpacked; `origin` names it in the messages of `read_csv`."""
     data = utf8(data, dialect.encoding, origin)
     if dialect.separator is None:
         start = data[: 2**16].decode("utf-8", "surrogateescape")

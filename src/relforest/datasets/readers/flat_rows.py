@@ -15,20 +15,11 @@ __all__ = ["Row", "gather"]
 
 
 class Row(NamedTuple):
-    """An instance.
+    """An instance."""
 
-    Attributes
-    ----------
-    line : int
-        Its line in the file, from 1.
-    bag, label : str
-        Its bag and the bag's label.
-    point : list of d float
-    """
-
-    line: int
+    line: int  # in the file, from 1
     bag: str
-    label: str
+    label: str  # of the bag
     point: list[float]
 
 

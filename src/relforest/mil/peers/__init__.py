@@ -1,8 +1,9 @@
 """Published multiple-instance classifiers to compare with.
 
-All accept bags and labels in the same forms as `relforest.mil.CovAggClassifier`. `OptimalBallClassifier`,
-`APRClassifier`, `DiverseDensityClassifier` and `EMDDClassifier` describe a region that contains positive
-instances: a ball, a box, or an axis-parallel ellipsoid. The others are support vector machines:
+All accept bags and labels in the same forms as `relforest.mil.CovAggClassifier`, and set `classes_`,
+`n_features_in_` and `feature_names_in_` as it does. `OptimalBallClassifier`, `APRClassifier`,
+`DiverseDensityClassifier` and `EMDDClassifier` describe a region that contains positive instances: a ball, a
+box, or an axis-parallel ellipsoid. The others are support vector machines:
 `BagMarginSVMClassifier` (MI-SVM) and `InstanceMarginSVMClassifier` (mi-SVM) also label instances,
 `MILESClassifier` labels only bags, and `SingleInstanceSVMClassifier` is the baseline that ignores bags;
 `tuned` chooses their parameters by cross-validation. MI-SVM and mi-SVM are named after the margin they

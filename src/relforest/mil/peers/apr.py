@@ -54,12 +54,6 @@ class APRClassifier(InstanceClassifier):
         The selected features, in ascending order.
     scales_ : ndarray (d,)
         Factors of distances along the features: 1, or 1 / deviation with `scale`.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----

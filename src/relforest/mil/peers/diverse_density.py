@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import InstanceClassifier
-from relforest.mil.peers.hypotheses import Hypothesis, search_space
-from relforest.mil.peers.noisy_or import Sample, bag_log_odds, instance_log_odds
+from relforest.mil.peers.hypotheses import DensityClassifier, search_space
+from relforest.mil.peers.noisy_or import Sample, bag_log_odds
 from relforest.mil.peers.quasi_newton import descend
 from relforest.support.options import at_least
 from relforest.support.progress import report
@@ -24,7 +23,7 @@ _TOLERANCE: Final = 1e-5
 
 
 @final
-class DiverseDensityClassifier(InstanceClassifier):
+class DiverseDensityClassifier(DensityClassifier):
     """Multiple-instance classifier by the point of greatest diverse density.
 
     Gradient ascent from many starts looks for a point, with a scale per feature, near at least one instance
@@ -50,12 +49,6 @@ class DiverseDensityClassifier(InstanceClassifier):
         ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
     negative_log_density_ : float
         Negative logarithm of the diverse density, the probability of all training labels.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
@@ -83,10 +76,6 @@ class DiverseDensityClassifier(InstanceClassifier):
     array([1, 0])
     """
 
-    center_: NDArray[np.float64]
-    scales_: NDArray[np.float64]
-    negative_log_density_: float
-
     def __init__(
         self,
         *,
@@ -108,18 +97,11 @@ class DiverseDensityClassifier(InstanceClassifier):
         starts = search.starts(positive & (bags.counts == bags.counts[positive].max()))
         kept = len(starts) if self.refined is None else min(self.refined, len(starts))
         found, value = densest(search.sample, starts, kept, max_steps)
-        hypothesis = search.in_own_units(found)
-        self.center_, self.scales_ = hypothesis.center, hypothesis.scales
-        self.negative_log_density_ = value
-
-    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Log odds, log(p / (1 - p))."""
-        return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
+        self._keep(search.in_own_units(found), value)
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
         """Log odds of the noisy-or."""
-        squared = Hypothesis(self.center_, self.scales_).squared_distances(bags.points)
-        return bag_log_odds(squared, bags.starts)
+        return bag_log_odds(self._squared_distances(bags.points), bags.starts)
 
 
 def densest(

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import InstanceClassifier
-from relforest.mil.peers.hypotheses import Hypothesis, search_space
-from relforest.mil.peers.noisy_or import CERTAINTY, Sample, fill_squared_distances, instance_log_odds
+from relforest.mil.peers.hypotheses import DensityClassifier, search_space
+from relforest.mil.peers.noisy_or import CERTAINTY, Sample, fill_squared_distances
 from relforest.mil.peers.quasi_newton import descend
 from relforest.support.jit import kernel
 from relforest.support.options import at_least
@@ -25,7 +24,7 @@ _TOLERANCE: Final = 1e-5
 
 
 @final
-class EMDDClassifier(InstanceClassifier):
+class EMDDClassifier(DensityClassifier):
     """Multiple-instance classifier by expectation maximisation of the diverse density.
 
     Like diverse density, but each bag is represented by one instance, its witness: the most probable one
@@ -46,19 +45,10 @@ class EMDDClassifier(InstanceClassifier):
 
     Attributes
     ----------
-    center_ : ndarray (d,)
-        The point, in the units of the bags.
-    scales_ : ndarray (d,)
-        Scale of each feature, at least 0: an instance x is positive with a probability of
-        ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
+    center_, scales_
+        As in `DiverseDensityClassifier`.
     negative_log_density_ : float
         Negative logarithm of the diverse density of the witnesses.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
@@ -91,10 +81,6 @@ class EMDDClassifier(InstanceClassifier):
     array([1, 0])
     """
 
-    center_: NDArray[np.float64]
-    scales_: NDArray[np.float64]
-    negative_log_density_: float
-
     def __init__(
         self,
         *,
@@ -120,13 +106,7 @@ class EMDDClassifier(InstanceClassifier):
         search = search_space(bags, positive, scale=self.scale)
         starts = search.starts(np.isin(np.arange(len(bags)), chosen))
         found, value = most_convincing(search.sample, starts, max_steps)
-        hypothesis = search.in_own_units(found)
-        self.center_, self.scales_ = hypothesis.center, hypothesis.scales
-        self.negative_log_density_ = value
-
-    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Log odds, log(p / (1 - p))."""
-        return instance_log_odds(Hypothesis(self.center_, self.scales_).squared_distances(points))
+        self._keep(search.in_own_units(found), value)
 
 
 def most_convincing(

@@ -1,13 +1,15 @@
-"""Hypotheses of diverse density, and the scaled data in which they are sought."""
+"""Hypotheses of diverse density: classifying by one, and the scaled data in which they are sought."""
 
 from __future__ import annotations
 
+from abc import ABC
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.peers.noisy_or import Sample, as_sample, fill_squared_distances
+from relforest.mil.bag_classifier import InstanceClassifier
+from relforest.mil.peers.noisy_or import Sample, as_sample, fill_squared_distances, instance_log_odds
 from relforest.mil.scaling import feature_units
 
 if TYPE_CHECKING:
@@ -16,26 +18,28 @@ if TYPE_CHECKING:
     from relforest.scenes.bags import Bags
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Hypothesis:
-    """A centre and a scale per feature, in the units of the bags.
+class DensityClassifier(InstanceClassifier, ABC):
+    """A classifier by the hypothesis with the greatest density; `DiverseDensityClassifier` describes it."""
 
-    Attributes
-    ----------
-    center : ndarray (d,)
-    scales : ndarray (d,)
-        At least 0; 0 for features that are ignored.
-    """
+    center_: NDArray[np.float64]
+    scales_: NDArray[np.float64]
+    negative_log_density_: float
 
-    center: NDArray[np.float64]
-    scales: NDArray[np.float64]
+    def _keep(self, hypothesis: NDArray[np.float64], negative_log_density: float) -> None:
+        """Set what was learned: a hypothesis (2, d) in the units of the bags."""
+        self.center_, self.scales_ = hypothesis
+        self.negative_log_density_ = negative_log_density
 
-    def squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Squared distances D^2 of points (n, d), shape (n,)."""
         squared = np.empty(len(points))
-        fill_squared_distances(np.ascontiguousarray(points.T), np.stack([self.center, self.scales]), squared)
+        hypothesis = np.stack([self.center_, self.scales_])
+        fill_squared_distances(np.ascontiguousarray(points.T), hypothesis, squared)
         return squared
+
+    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Log odds, log(p / (1 - p))."""
+        return instance_log_odds(self._squared_distances(points))
 
 
 @final
@@ -64,10 +68,10 @@ class Search:
         scales = np.broadcast_to(np.where(self.factors > 0.0, 1.0, 0.0), centres.shape)
         return np.stack([centres, scales], axis=1)
 
-    def in_own_units(self, found: NDArray[np.float64]) -> Hypothesis:
+    def in_own_units(self, found: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert a hypothesis (2, d) of this search to the units of the bags."""
         widths = np.divide(1.0, self.factors, out=np.zeros_like(self.factors), where=self.factors > 0.0)
-        return Hypothesis(self.shift + found[0] * widths, np.abs(found[1]) * self.factors)
+        return np.stack([self.shift + found[0] * widths, np.abs(found[1]) * self.factors])
 
 
 def search_space(bags: Bags, positive: NDArray[np.bool_], *, scale: bool) -> Search:

@@ -5,7 +5,6 @@ Dimensions: n training points, m support vectors, d features, p points to score.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
@@ -13,7 +12,6 @@ import numpy as np
 from sklearn.svm import _libsvm
 
 from relforest.mil.squared_distances import squared_distances
-from relforest.support.options import at_least, in_range
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,41 +24,6 @@ _C_SVC: Final = 0
 _CACHE_SIZE: Final = 200
 # Kernel values in a block of points to score, 32 MB.
 _BLOCK: Final = 4_000_000
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class SolverSettings:
-    """Settings of LIBSVM.
-
-    Attributes
-    ----------
-    C : float
-        Price of slack per training point.
-    tol : float
-        Largest violation of the optimality conditions.
-    max_iter : int
-        Largest number of steps.
-    """
-
-    C: float
-    tol: float
-    max_iter: int
-
-    @classmethod
-    def checked(cls, C: object, tol: object, max_iter: object, *, shares: int) -> SolverSettings:
-        """Check options as users set them, and divide C by the number of shares.
-
-        Raises
-        ------
-        InputError
-            If an option is out of range.
-        """
-        return cls(
-            in_range("C", C, 0.0, math.inf, open_low=True, open_high=True) / shares,
-            in_range("tol", tol, 0.0, math.inf, open_low=True, open_high=True),
-            at_least("max_solver_iter", max_iter, 1),
-        )
 
 
 @final
@@ -118,17 +81,23 @@ class KernelProblem:
         Copied.
     gamma : float
         Coefficient of squared distances.
-    settings : SolverSettings
-        Used in every training.
+    C : float
+        Price of slack per training point.
+    tol : float
+        Largest violation of the optimality conditions.
+    max_iter : int
+        Largest number of LIBSVM's steps in a training.
     """
 
-    def __init__(self, points: NDArray[np.float64], gamma: float, settings: SolverSettings) -> None:
+    def __init__(
+        self, points: NDArray[np.float64], gamma: float, *, C: float, tol: float, max_iter: int
+    ) -> None:
         self._points = points.copy()
         # Squared distances lose fewer digits near the origin.
         self._center = points.mean(axis=0)
         self._centered = points - self._center
         self._gamma = gamma
-        self._settings = settings
+        self._settings = {"C": C, "tol": tol, "max_iter": max_iter, "cache_size": _CACHE_SIZE}
         self._kernel: NDArray[np.float64] | None = None
         if len(points) <= MOST_STORED_POINTS:
             self._kernel = radial_kernel(self._centered, self._centered, gamma)
@@ -145,7 +114,6 @@ class KernelProblem:
 
     def solve(self, positive: NDArray[np.bool_]) -> KernelMachine:
         """Train a machine; both values must occur in `positive` (n,)."""
-        settings = self._settings
         stored = self._kernel is not None
         # `sklearn.svm.SVC` would change warning filters and NumPy's global random state for all threads.
         _libsvm.set_verbosity_wrap(0)
@@ -155,10 +123,7 @@ class KernelProblem:
             svm_type=_C_SVC,
             kernel="precomputed" if stored else "rbf",
             gamma=self._gamma,
-            C=settings.C,
-            tol=settings.tol,
-            max_iter=settings.max_iter,
-            cache_size=_CACHE_SIZE,
+            **self._settings,
         )
         support = np.asarray(rows, dtype=np.int64)
         # LIBSVM's scores are positive for the first class, which is the negative one here.

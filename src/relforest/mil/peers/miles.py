@@ -33,14 +33,8 @@ class MILESClassifier(BagClassifier):
 
     Parameters
     ----------
-    C : float, default 1e4
-        Price of slack.
-    gamma : "heuristic" or float, default "heuristic"
-        Coefficient of squared distances in the features: a number, or 1 / (2 s^2) with s the mean of the 10th
-        and 90th percentile of the distances between training instances (of a subset if there are more than
-        3000).
-    gamma_factor : float, default 1.0
-        Factor of gamma.
+    C, gamma, gamma_factor, verbose
+        As in `SingleInstanceSVMClassifier`; C is not divided.
     fit_intercept : bool, default False
         Whether to add an intercept. LIBLINEAR does not by default; Chen et al. do.
     tol : float, default 0.01
@@ -49,8 +43,6 @@ class MILESClassifier(BagClassifier):
         Largest number of passes over the features.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed of the order of the features in each pass; an integer makes `fit` reproducible.
-    verbose : bool, default False
-        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -66,12 +58,6 @@ class MILESClassifier(BagClassifier):
         Number of passes.
     converged_ : bool
         Whether the tolerance was reached; often false with the default C if classes overlap.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----

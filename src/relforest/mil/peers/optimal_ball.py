@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.mil.scaling import feature_units
-from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes.bags import Bags
 
-# Points in a block: with their features, they fit into the processor's cache.
-_BLOCK: Final = 256
 # Distances kept at a time, 64 MiB.
 _LARGEST_TABLE: Final = 2**23
 _BEYOND_LAST: Final = 1.0 + 1e-9
@@ -43,12 +41,6 @@ class OptimalBallClassifier(InstanceClassifier):
         normalisation; with it, 1 / range, and 0 for features that are constant in training.
     radius_ : float
         Largest distance of a point inside.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes
     -----
@@ -87,11 +79,11 @@ class OptimalBallClassifier(InstanceClassifier):
         candidates = np.unique(bags.points[np.repeat(positive, bags.counts)], axis=0)
         points = (bags.points - units.shift) * scales
         centres = (candidates - units.shift) * scales
-        columns = np.ascontiguousarray(points.T)
         most, radius, best = -1, 0.0, 0
-        at_a_time = max(1, _LARGEST_TABLE // len(bags))
+        at_a_time = max(1, _LARGEST_TABLE // len(points))
         for first in range(0, len(centres), at_a_time):
-            nearest = bag_distances(columns, bags.starts, centres[first : first + at_a_time])
+            distances = cdist(centres[first : first + at_a_time], points)
+            nearest = np.minimum.reduceat(distances, bags.starts[:-1], axis=1)
             right, width, place = widest_best_ball(nearest, positive)
             if (right, width) > (most, radius):
                 most, radius, best = right, width, first + place
@@ -103,49 +95,6 @@ class OptimalBallClassifier(InstanceClassifier):
         return self.radius_ - distances
 
 
-@kernel
-def bag_distances(
-    columns: NDArray[np.float64], starts: NDArray[np.int64], centres: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the distance from every centre to the nearest point of every bag.
-
-    Parameters
-    ----------
-    columns : ndarray (d, n)
-        The points of all bags, transposed.
-    starts : ndarray (n_bags + 1,)
-        First point of each bag.
-    centres : ndarray (n_centres, d)
-
-    Returns
-    -------
-    ndarray (n_centres, n_bags)
-    """
-    n_features, n_points = columns.shape
-    nearest = np.full((len(centres), len(starts) - 1), np.inf)
-    squared = np.empty(_BLOCK)
-    first_bag = 0
-    for begin in range(0, n_points, _BLOCK):
-        end = min(begin + _BLOCK, n_points)
-        block = columns[:, begin:end].copy()
-        while starts[first_bag + 1] <= begin:
-            first_bag += 1
-        for i in range(len(centres)):
-            squared[:] = 0.0
-            for k in range(n_features):
-                column, centre = block[k], centres[i, k]
-                for j in range(end - begin):
-                    squared[j] += (column[j] - centre) * (column[j] - centre)
-            bag = first_bag
-            for j in range(end - begin):
-                if starts[bag + 1] == begin + j:
-                    bag += 1
-                nearest[i, bag] = min(nearest[i, bag], squared[j])
-    distances: NDArray[np.float64] = np.sqrt(nearest)
-    return distances
-
-
-@kernel
 def widest_best_ball(nearest: NDArray[np.float64], positive: NDArray[np.bool_]) -> tuple[int, float, int]:
     """Find the ball that labels most bags correctly; in case of ties, the largest and then the first.
 
@@ -160,20 +109,14 @@ def widest_best_ball(nearest: NDArray[np.float64], positive: NDArray[np.bool_]) 
     (int, float, int)
         The number of bags labelled correctly, the radius, and the row of the centre.
     """
-    n_bags = len(positive)
-    best, radius, most = 0, -1.0, -1
-    for i in range(len(nearest)):
-        distances = nearest[i]
-        order = np.argsort(distances)
-        # A cut with all bags outside labels the negative ones correctly.
-        right = n_bags - int(np.sum(positive))
-        for j in range(n_bags):
-            right += 1 if positive[order[j]] else -1
-            edge = distances[order[j]]
-            beyond = distances[order[j + 1]] if j + 1 < n_bags else edge * _BEYOND_LAST
-            if j + 1 < n_bags and beyond == edge:
-                continue
-            cut = 0.5 * (edge + beyond)
-            if right > most or (right == most and cut > radius):
-                best, radius, most = i, cut, right
-    return most, radius, best
+    order = np.argsort(nearest, axis=1)
+    edges = np.take_along_axis(nearest, order, axis=1)
+    beyond = np.column_stack([edges[:, 1:], edges[:, -1] * _BEYOND_LAST])
+    # With all bags outside, the negative ones are labelled correctly.
+    right = np.count_nonzero(~positive) + np.cumsum(np.where(positive[order], 1, -1), axis=1)
+    # Bags at equal distances cannot be parted.
+    right[:, :-1][edges[:, :-1] == edges[:, 1:]] = -1
+    most = int(right.max())
+    radii = np.where(right == most, 0.5 * (edges + beyond), -1.0)
+    best = int(radii.max(axis=1).argmax())
+    return most, float(radii[best].max()), best

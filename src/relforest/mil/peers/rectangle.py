@@ -172,19 +172,14 @@ def discriminating(
     return selected
 
 
-@kernel
 def _exclusions(negatives: NDArray[np.float64], box: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
     """Whether each feature excludes each point, shape (m, d)."""
-    excluded = np.zeros(negatives.shape, dtype=np.bool_)
-    for i in range(len(negatives)):
-        farthest, along = 0.0, -1
-        for k in range(negatives.shape[1]):
-            outside = max(box[0, k] - negatives[i, k], negatives[i, k] - box[1, k])
-            excluded[i, k] = outside > margin
-            if outside > farthest:
-                farthest, along = outside, k
-        if along >= 0 and farthest <= margin:
-            excluded[i, along] = True
+    outside = np.maximum(box[0] - negatives, negatives - box[1])
+    excluded: NDArray[np.bool_] = outside > margin
+    farthest = outside.max(axis=1, initial=0.0)
+    rows = np.flatnonzero((farthest > 0.0) & (farthest <= margin))
+    if len(rows):
+        excluded[rows, outside[rows].argmax(axis=1)] = True
     return excluded
 
 

@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import InstanceClassifier
-from relforest.mil.peers.kernel_machine import KernelProblem, SolverSettings
-from relforest.mil.peers.kernel_width import kernel_gamma
+from relforest.mil.peers.kernel_classifier import KernelClassifier
 from relforest.scenes.bags import Bags
 from relforest.support.progress import report
 
@@ -17,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @final
-class SingleInstanceSVMClassifier(InstanceClassifier):
+class SingleInstanceSVMClassifier(KernelClassifier):
     """A machine with a radial kernel, trained on all instances with the labels of their bags.
 
     It shows the effect of ignoring bags, and is the first round of `InstanceMarginSVMClassifier`.
@@ -49,12 +47,6 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
         The coefficient used, including the factor.
     converged_ : bool
         Whether LIBSVM reached its tolerance.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
 
     References
     ----------
@@ -72,34 +64,8 @@ class SingleInstanceSVMClassifier(InstanceClassifier):
     array([1, 0])
     """
 
-    def __init__(
-        self,
-        *,
-        C: float = 1e4,
-        gamma: str | float = "heuristic",
-        gamma_factor: float = 1.0,
-        scale_C: bool = True,
-        tol: float = 1e-3,
-        max_solver_iter: int = 10_000_000,
-        verbose: bool = False,
-    ) -> None:
-        self.C = C
-        self.gamma = gamma
-        self.gamma_factor = gamma_factor
-        self.scale_C = scale_C
-        self.tol = tol
-        self.max_solver_iter = max_solver_iter
-        self.verbose = verbose
-
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
-        shares = len(bags.points) if self.scale_C else 1
-        settings = SolverSettings.checked(self.C, self.tol, self.max_solver_iter, shares=shares)
-        gamma = kernel_gamma(bags.points, self.gamma, self.gamma_factor)
-        problem = KernelProblem(bags.points, gamma, settings)
+        problem = self._problem(bags, bags.points, shares=len(bags.points))
         report("training a machine")
-        self.machine_, self.gamma_ = problem.solve(positive.repeat(bags.counts)), gamma
+        self.machine_ = problem.solve(positive.repeat(bags.counts))
         self.converged_ = self.machine_.converged
-
-    def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value of the machine, with margins at -1 and 1."""
-        return self.machine_.scores(points)
