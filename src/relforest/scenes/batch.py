@@ -18,7 +18,7 @@ from relforest.scenes.ids import IdArray
 from relforest.scenes.named_columns import named_columns
 from relforest.scenes.padded import arrays_from_padded
 from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
-from relforest.scenes.parquet_files import open_parquet
+from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError

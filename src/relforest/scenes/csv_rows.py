@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from relforest.support.errors import InputError
 
-__all__ = ["CsvRow", "csv_rows", "start_of_line", "wrong_length"]
+__all__ = ["CsvRow", "csv_rows", "wrong_length"]
 
 
 class CsvRow(NamedTuple):
@@ -48,7 +48,8 @@ def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = Fa
         If quotes are not closed, or a field is longer than 131072 characters.
     """
     # Without strict, an unclosed quote silently swallows the rest of the file.
-    table = csv.reader(_lines(data), delimiter=separator, skipinitialspace=skip_blanks, strict=True)
+    lines = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8", errors="surrogateescape", newline="")
+    table = csv.reader(lines, delimiter=separator, skipinitialspace=skip_blanks, strict=True)
     line = 1
     try:
         for fields in table:
@@ -64,14 +65,6 @@ def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = Fa
         ) from error
 
 
-def start_of_line(data: bytes, number: int) -> int:
-    """Return the offset in UTF-8 text of a line, given its number from 1."""
-    return sum(
-        len(line.encode("utf-8", "surrogateescape"))
-        for line, _ in zip(_lines(data), range(number - 1), strict=False)
-    )
-
-
 def wrong_length(row: CsvRow, n_columns: int, separator: str) -> str | None:
     """Return a complaint about a row with too few or too many fields, None for other rows."""
     if len(row.fields) == n_columns:
@@ -80,7 +73,3 @@ def wrong_length(row: CsvRow, n_columns: int, separator: str) -> str | None:
         f"the row has {len(row.fields)} of {n_columns} fields: complete the row, and quote fields "
         f"that contain the separator {separator!r}"
     )
-
-
-def _lines(data: bytes) -> Iterator[str]:
-    return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8", errors="surrogateescape", newline="")

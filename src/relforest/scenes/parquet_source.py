@@ -15,26 +15,20 @@ from relforest.scenes.arrow import ArrowTable, ArrowType
 from relforest.scenes.columns import check_named
 from relforest.scenes.digests import BLOCK_ROWS
 from relforest.scenes.parquet import check_unchanged, is_own
-from relforest.scenes.parquet_files import ParquetFile, check_same_columns, common_type, data_files
+from relforest.scenes.parquet_files import (
+    ParquetFile,
+    check_same_columns,
+    common_type,
+    data_files,
+    parquet_at,
+)
 from relforest.scenes.sources import checked_path
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
-__all__ = ["ParquetSource", "Piece", "is_pattern", "open_source"]
+__all__ = ["ParquetSource", "Piece", "is_pattern", "open_parquet", "open_source"]
 
 _WILD: Final = frozenset("*?[")
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class SourceFile:
-    """A Parquet file, and what its footer says."""
-
-    path: Path
-    stored: ParquetFile
-    table: TableFile
-    types: Mapping[str, ArrowType]
-    n_rows: int
 
 
 class Piece(NamedTuple):
@@ -47,29 +41,26 @@ class Piece(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class ParquetSource:
-    """Parquet files with the same columns.
+class ParquetSource(TableFile):
+    """Parquet files with the same columns, in the order in which they are read."""
 
-    Parameters
-    ----------
-    origin : str
-        What was opened, for messages.
-    files : tuple of SourceFile
-        In the order in which they are read.
-    """
-
-    origin: str
-    files: tuple[SourceFile, ...]
+    files: tuple[ParquetFile, ...]
 
     @property
     def n_rows(self) -> int:
-        """Number of rows in all files, at least 1."""
+        """Number of rows in all files."""
         return sum(file.n_rows for file in self.files)
 
     @property
     def is_own(self) -> bool:
         """Whether `Scenes.to_parquet` wrote all of them."""
-        return all(is_own(file.table) for file in self.files)
+        return all(is_own(file) for file in self.files)
+
+    def load(self, chosen: Sequence[str]) -> ArrowTable:
+        """Return columns of all files."""
+        schema = pa.schema(list(self.common_types(chosen).items()))
+        tables = [file.load(chosen).replace_schema_metadata() for file in self.files]
+        return pa.concat_tables([table.cast(schema) for table in tables])
 
     def common_types(self, columns: Iterable[str]) -> dict[str, ArrowType]:
         """Return the types of columns.
@@ -81,10 +72,9 @@ class ParquetSource:
         """
         chosen = list(dict.fromkeys(columns))
         for file in self.files:
-            check_named(chosen, file.table.names, file.table.origin)
+            check_named(chosen, file.names, file.origin)
         return {
-            name: common_type(name, {file.table.origin: file.types[name] for file in self.files})
-            for name in chosen
+            name: common_type(name, {file.origin: file.types[name] for file in self.files}) for name in chosen
         }
 
     def pieces(self, types: Mapping[str, ArrowType], n_rows: int) -> Iterator[Piece]:
@@ -122,15 +112,28 @@ def open_source(source: str | PathLike[str]) -> ParquetSource:
     Raises
     ------
     InputError
-        If there are none, one of them is damaged, they have different columns, or no rows at all.
+        If there are none, one of them is damaged, or they have different columns.
     """
-    origin = str(source)
-    files = tuple(map(_opened, _paths(source)))
-    check_same_columns([file.table for file in files])
-    opened = ParquetSource(origin, files)
-    if opened.n_rows == 0:
-        raise InputError(f"{origin} has no rows: at least one scene is needed")
-    return opened
+    files = tuple(map(parquet_at, _paths(source)))
+    check_same_columns(files)
+    return ParquetSource(str(source), files[0].names, {}, files)
+
+
+def open_parquet(path: str | PathLike[str]) -> TableFile:
+    """Open a Parquet file, or a folder of them as written by Spark and others, to be read as a whole.
+
+    Raises
+    ------
+    InputError
+        As for `open_source`, or if the path does not exist, or files of a folder have their own numbering.
+    """
+    source = open_source(checked_path(path))
+    if not Path(path).is_dir():
+        return source.files[0]
+    for file in source.files:
+        if is_own(file):
+            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one at a time")
+    return source
 
 
 def _paths(source: str | PathLike[str]) -> list[Path]:
@@ -145,17 +148,11 @@ def _paths(source: str | PathLike[str]) -> list[Path]:
         raise InputError(f"{path} cannot be read: {error.strerror}; check the path") from error
 
 
-def _opened(path: Path) -> SourceFile:
-    stored = ParquetFile.at(path)
-    types, n_rows = stored.footer()
-    return SourceFile(path, stored, stored.table_file(), types, n_rows)
-
-
-def _tables(file: SourceFile, columns: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
-    if is_own(file.table):
-        tables = _unchanged(file.table, _in_blocks(file.stored.blocks(columns, BLOCK_ROWS), BLOCK_ROWS))
+def _tables(file: ParquetFile, columns: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
+    if is_own(file):
+        tables = _unchanged(file, _in_blocks(file.blocks(columns, BLOCK_ROWS), BLOCK_ROWS))
     else:
-        tables = file.stored.blocks(columns, n_rows)
+        tables = file.blocks(columns, n_rows)
     # What pyarrow returns ends with every row group.
     return _in_blocks(tables, n_rows)
 

@@ -182,7 +182,7 @@ class SceneStream:
         return ids
 
     def _origin(self, piece: Piece) -> str:
-        return self.source.files[piece.file].table.origin
+        return self.source.files[piece.file].origin
 
     @contextmanager
     def _locating(self, piece: Piece) -> Iterator[None]:
@@ -209,17 +209,20 @@ def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | 
     Raises
     ------
     InputError
-        If a column is missing, ambiguous, or has different types in different files, or categories are open.
+        If there are no rows, a column is missing, ambiguous, or has different types in different files, or
+        categories are open.
     ModelFormatError
         If a file of `Scenes.to_parquet` has invalid metadata, or a schema other than the first one.
     """
+    if source.n_rows == 0:
+        raise InputError(f"{source.origin} has no rows: at least one scene is needed")
     if layout is None:
-        schema, names = own_columns(source.files[0].table)
-        first = source.files[0].table.origin
+        schema, names = own_columns(source.files[0])
+        first = source.files[0].origin
         for file in source.files:
-            if own_columns(file.table) != (schema, names):
+            if own_columns(file) != (schema, names):
                 raise InputError(
-                    f"{file.table.origin} and {first} hold scenes of different schemas: read them one by one"
+                    f"{file.origin} and {first} hold scenes of different schemas: read them one by one"
                 )
         stream = SceneStream(source, None, tuple(names), names[-2], schema, label)
     else:

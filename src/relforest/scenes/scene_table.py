@@ -106,7 +106,7 @@ def read_scenes(
 
 def open_scenes(source: ParquetSource, layout: FrameLayout | None, *, remedy: str) -> SceneStream:
     """Return the scenes of Parquet files, to be read in batches; see `read_scenes`."""
-    file = source.files[0].table
+    file = source.files[0]
     if source.is_own and _own_layout(file, layout) is not None:
         return open_stream(source, None)
     return open_stream(source, _required(layout, file, source.origin, remedy))
