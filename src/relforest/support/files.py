@@ -8,15 +8,12 @@ checked before use.
 from __future__ import annotations
 
 import errno
-import gzip
-import io
 import json
 import os
 import re
 import reprlib
 import secrets
 import stat
-import zlib
 from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import blake2b
@@ -26,7 +23,7 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from relforest.support.archives import pack_arrays, unpack_arrays
+from relforest.support.archives import MAX_BYTES, pack_arrays, unpack_arrays
 from relforest.support.documents import (
     MAX_DEPTH,
     check_extent,
@@ -36,7 +33,6 @@ from relforest.support.documents import (
 )
 from relforest.support.errors import InputError, ModelFormatError
 
-MAX_BYTES: Final = 256 * 2**20
 MAX_DOCUMENT_BYTES: Final = 64 * 2**20
 MAX_INPUT_BYTES: Final = 2**31
 
@@ -182,7 +178,6 @@ def read_json(
     format: str,
     version: int,
     others: Mapping[str, int] = MappingProxyType({}),
-    max_bytes: int = MAX_DOCUMENT_BYTES,
 ) -> dict[str, Any]:
     """Read one of the library's JSON documents and check it.
 
@@ -196,8 +191,6 @@ def read_json(
         The newest value of the key "version" that the caller can read.
     others : mapping of str to int
         Other formats that the caller accepts, and their newest versions.
-    max_bytes : int
-        Larger files are rejected without being read.
 
     Returns
     -------
@@ -209,7 +202,7 @@ def read_json(
     ModelFormatError
         If the file is missing, not a regular file, too large, not UTF-8, not JSON, or fails `check_document`.
     """
-    data = _read_regular_file(path, max_bytes)
+    data = _read_regular_file(path, MAX_DOCUMENT_BYTES)
     check_extent(data, str(path))
     document = _parse_json(data, f"{path} is not a {format} file")
     found = document.get("format") if isinstance(document, dict) else None
@@ -285,11 +278,7 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) 
 
 
 def read_npz(
-    path: str | os.PathLike[str],
-    names: Iterable[str],
-    *,
-    optional: Container[str] = (),
-    max_bytes: int = MAX_BYTES,
+    path: str | os.PathLike[str], names: Iterable[str], *, optional: Container[str] = ()
 ) -> dict[str, NDArray[Any]]:
     """Read arrays from a ``.npz`` archive without ever unpickling.
 
@@ -301,8 +290,6 @@ def read_npz(
         The arrays to read; others are ignored.
     optional : container of str
         Names that may be missing from the archive; they are then missing from the result.
-    max_bytes : int
-        Archives larger than this, packed or unpacked, are rejected.
 
     Returns
     -------
@@ -312,15 +299,15 @@ def read_npz(
     Raises
     ------
     ModelFormatError
-        If the file is missing or not an archive, or an array is missing, damaged, or not of booleans,
-        integers or floats.
+        If the file is missing, not an archive or too large, or an array is missing, damaged, or not of
+        booleans, integers or floats.
     """
-    data = _read_regular_file(path, max_bytes)
-    return unpack_arrays(data, names, optional=optional, max_bytes=max_bytes, origin=str(path))
+    data = _read_regular_file(path, MAX_BYTES)
+    return unpack_arrays(data, names, optional=optional, origin=str(path))
 
 
 def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
-    """Return the content of a user's file, whatever its format; see also `unpacked`.
+    """Return the content of a user's file, whatever its format.
 
     Raises
     ------
@@ -331,35 +318,6 @@ def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES
         return _read_regular_file(path, max_bytes)
     except ModelFormatError as error:
         raise InputError(f"{error}; check the path") from error
-
-
-def unpacked(data: bytes, origin: str, *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
-    """Return the content of a file, unpacked if it is compressed with gzip.
-
-    Parameters
-    ----------
-    data : bytes
-        The content of the file, which decides whether it is compressed; its name does not.
-    origin : str
-        Where the data came from, for error messages.
-    max_bytes : int
-        Data that unpack to more than this are rejected.
-
-    Raises
-    ------
-    InputError
-        If unpacking fails or the result is too large.
-    """
-    if not data.startswith(b"\x1f\x8b"):
-        return data
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-            content = file.read(max_bytes + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(f"{origin} is damaged: it cannot be unpacked with gzip ({error})") from error
-    if len(content) > max_bytes:
-        raise InputError(f"{origin} unpacks to more than the {max_bytes} bytes allowed")
-    return content
 
 
 def append_line(path: str | os.PathLike[str], text: str) -> None:
