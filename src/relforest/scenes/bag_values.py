@@ -54,13 +54,7 @@ def are_names(columns: tuple[Any, ...] | None) -> bool:
 
 
 def as_values(values: object, what: str) -> Values:
-    """Convert numbers to a new float64 array of any shape.
-
-    Parameters
-    ----------
-    values : array, nested sequence, or pandas, polars or pyarrow table
-    what : str
-        Name for error messages, such as ``"bag 3"``.
+    """Convert an array, nested sequence, or table to a new float64 array of any shape.
 
     Raises
     ------

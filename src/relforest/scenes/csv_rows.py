@@ -13,34 +13,17 @@ __all__ = ["CsvRow", "csv_rows", "wrong_length"]
 
 
 class CsvRow(NamedTuple):
-    """A row that is not blank.
+    """A row that is not blank."""
 
-    Attributes
-    ----------
-    line, last_line : int
-        The lines where it begins and ends, from 1.
-    fields : list of str
-        Without quotes.
-    """
-
-    line: int
-    last_line: int
-    fields: list[str]
+    line: int  # where it begins, from 1
+    last_line: int  # where it ends
+    fields: list[str]  # without quotes
 
 
 def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = False) -> Iterator[CsvRow]:
-    """Yield the rows of CSV text.
+    """Yield the rows of CSV text in UTF-8, whose invalid bytes become lone surrogates.
 
-    Parameters
-    ----------
-    data : bytes
-        UTF-8; invalid bytes become lone surrogates.
-    separator : str
-        The field separator.
-    origin : str
-        The file, for messages.
-    skip_blanks : bool
-        Whether to drop blanks after a separator.
+    With `skip_blanks`, blanks after a separator are dropped.
 
     Raises
     ------

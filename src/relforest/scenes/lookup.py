@@ -51,16 +51,7 @@ class ObjectIndex:
 
 
 def index_objects(scene_ids: IdArray, scenes: IntArray, objects: Codes) -> ObjectIndex:
-    """Index objects by scene and identifier.
-
-    Parameters
-    ----------
-    scene_ids : (n_scenes,) array
-        For messages.
-    scenes : (n_refs,) int array
-        The scene of each object.
-    objects : Codes
-        The identifier of each object; no nulls.
+    """Index objects by their scenes (n_refs,) and their identifiers (n_refs,), which are not null.
 
     Raises
     ------
@@ -83,14 +74,7 @@ def index_objects(scene_ids: IdArray, scenes: IntArray, objects: Codes) -> Objec
 def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> IntArray:
     """Return the position of the object that each scene binds to one parameter, -1 where the value is null.
 
-    Parameters
-    ----------
-    index : ObjectIndex
-        The objects of all scenes.
-    parameter : str
-        For messages.
-    values : (n_scenes,) arrow array
-        Object identifiers, from `id_column`.
+    The values are identifiers from `id_column`, one per scene.
 
     Raises
     ------

@@ -78,13 +78,7 @@ class ParquetSource(TableFile):
         }
 
     def pieces(self, types: Mapping[str, ArrowType], n_rows: int) -> Iterator[Piece]:
-        """Yield the rows of all files in order, at most `n_rows` at a time.
-
-        Parameters
-        ----------
-        types : mapping of str to arrow type
-            The columns, and what to convert them to.
-        n_rows : int
+        """Yield columns, converted to the given types, of all files in order, `n_rows` rows at a time.
 
         Raises
         ------

@@ -183,15 +183,7 @@ class SceneStream:
 
 
 def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | None = None) -> SceneStream:
-    """Check what can be checked before rows are read.
-
-    Parameters
-    ----------
-    source : ParquetSource
-    layout : FrameLayout or None
-        None = the columns that `Scenes.to_parquet` wrote.
-    label : str, optional
-        A column of labels, one per scene.
+    """Check what can be checked before rows are read; see `SceneStream` for the parameters.
 
     Raises
     ------

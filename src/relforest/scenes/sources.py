@@ -123,13 +123,8 @@ def read_text(source: Source, encoding: str | None = None) -> str:
 def utf8(data: bytes, encoding: str | None, origin: str) -> bytes:
     """Return text as UTF-8 without a byte order mark.
 
-    Parameters
-    ----------
-    data : bytes
-    encoding : str or None
-        None = UTF-8, or UTF-16 or UTF-32 if the first bytes show it. UTF-8 is not checked here.
-    origin : str
-        The file, for messages.
+    Without an `encoding` it is UTF-8, which is not checked here, or UTF-16 or UTF-32 if the first bytes show
+    it.
 
     Raises
     ------

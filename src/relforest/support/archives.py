@@ -49,18 +49,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
 def unpack_arrays(
     data: bytes, names: Iterable[str], *, optional: Container[str], origin: str
 ) -> dict[str, NDArray[Any]]:
-    """Unpack named arrays from an archive, in the order of the names.
-
-    Parameters
-    ----------
-    data : bytes
-        The archive.
-    names : iterable of str
-        The arrays to read; others are ignored.
-    optional : container of str
-        Names that may be missing.
-    origin : str
-        Where the data came from, for error messages.
+    """Unpack named arrays from an archive, in the order of the names; see `relforest.support.files.read_npz`.
 
     Raises
     ------

@@ -46,14 +46,7 @@ def check_extent(data: bytes, origin: str) -> None:
 
 
 def check_values(document: object, origin: str) -> None:
-    """Check every value of a document.
-
-    Parameters
-    ----------
-    document : object
-        Made of dict, list, tuple, str, int, float, bool and None.
-    origin : str
-        Where it came from, for error messages.
+    """Check every value of a document made of dict, list, tuple, str, int, float, bool and None.
 
     Raises
     ------

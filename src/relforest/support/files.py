@@ -52,12 +52,7 @@ def content_digest(paths: Iterable[Path]) -> str:
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file atomically: it appears whole or not at all.
 
-    Parameters
-    ----------
-    path : path
-        Where to write. Missing parent folders are created, an existing file is replaced.
-    data : bytes
-        The content.
+    Missing parent folders are created, an existing file is replaced.
 
     Raises
     ------
@@ -153,13 +148,6 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> None:
     """Write a JSON file atomically: indented by 1, keys in the order given, newline at the end.
 
-    Parameters
-    ----------
-    path : path
-        Where to write; see `write_bytes`.
-    document : mapping
-        Made of dict, list, tuple, str, int, float, bool and None.
-
     Raises
     ------
     InputError
@@ -179,23 +167,9 @@ def read_json(
     version: int,
     others: Mapping[str, int] = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """Read one of the library's JSON documents and check it.
+    """Read one of the library's JSON documents and check it; see `check_document`.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    format : str
-        The required value of the key "format".
-    version : int
-        The newest value of the key "version" that the caller can read.
-    others : mapping of str to int
-        Other formats that the caller accepts, and their newest versions.
-
-    Returns
-    -------
-    dict
-        The document, including "format" and "version"; see `check_document` for what is checked.
+    The caller may accept `others` too: formats and their newest versions.
 
     Raises
     ------
@@ -212,23 +186,9 @@ def read_json(
 
 
 def check_document(document: object, *, format: str, version: int, origin: str) -> dict[str, Any]:
-    """Check the format, version and values of a parsed JSON document.
+    """Return a parsed JSON document after checks of its values and its keys "format" and "version".
 
-    Parameters
-    ----------
-    document : object
-        The output of a JSON parser.
-    format : str
-        The required value of the key "format".
-    version : int
-        The newest value of the key "version" that the caller can read; older ones, from 1, are accepted.
-    origin : str
-        Where the document came from, for error messages.
-
-    Returns
-    -------
-    dict
-        ``document``.
+    The version may be from 1 to `version`, the newest that the caller can read.
 
     Raises
     ------
@@ -262,17 +222,10 @@ def check_document(document: object, *, format: str, version: int, origin: str) 
 def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) -> None:
     """Write named arrays as one ``.npz`` archive, atomically; equal arrays give equal bytes.
 
-    Parameters
-    ----------
-    path : path
-        Where to write; no suffix is added. See `write_bytes`.
-    arrays : mapping of str to ndarray
-        Arrays of booleans, integers or floats.
-
     Raises
     ------
     InputError
-        If an array has another type.
+        If an array is not of booleans, integers or floats.
     """
     write_bytes(path, pack_arrays(arrays, str(path)))
 
@@ -280,21 +233,9 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) 
 def read_npz(
     path: str | os.PathLike[str], names: Iterable[str], *, optional: Container[str] = ()
 ) -> dict[str, NDArray[Any]]:
-    """Read arrays from a ``.npz`` archive without ever unpickling.
+    """Read the named arrays of a ``.npz`` archive, in that order, without ever unpickling.
 
-    Parameters
-    ----------
-    path : path
-        The archive.
-    names : iterable of str
-        The arrays to read; others are ignored.
-    optional : container of str
-        Names that may be missing from the archive; they are then missing from the result.
-
-    Returns
-    -------
-    dict of str to ndarray
-        In the order of ``names``.
+    Those that are `optional` may be missing, and are then missing from the result.
 
     Raises
     ------
@@ -323,14 +264,8 @@ def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES
 def append_line(path: str | os.PathLike[str], text: str) -> None:
     """Append a line to a log; for files where losing the last line does no harm.
 
-    If an interrupted process left an incomplete line, it is terminated first.
-
-    Parameters
-    ----------
-    path : path
-        The log. It is created if it does not exist, as are its parent folders.
-    text : str
-        The line, without its newline.
+    The log and its parent folders are created if they do not exist. If an interrupted process left an
+    incomplete line, it is terminated first.
 
     Raises
     ------

@@ -34,16 +34,7 @@ def inlined(function: Function) -> Function:
     """Compile ``function`` into each of its callers, for the steps of inner loops.
 
     A call between kernels counts references to every array passed, which takes longer than a short step.
-
-    Parameters
-    ----------
-    function : callable
-        As for `kernel`, called by kernels.
-
-    Returns
-    -------
-    callable
-        A drop-in replacement.
+    Functions are as for `kernel`, and are called by kernels.
     """
     return _compiled(function, inline="always")
 
