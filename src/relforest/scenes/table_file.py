@@ -14,21 +14,11 @@ __all__ = ["TableFile"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TableFile(ABC):
-    """A table with known columns that are read on demand.
+    """A table with known columns that are read on demand."""
 
-    Parameters
-    ----------
-    origin : str
-        The file, for messages.
-    names : tuple of str
-        The columns, in order; unused ones may share a name.
-    metadata : mapping of bytes to bytes
-        The metadata of a Parquet file.
-    """
-
-    origin: str
-    names: tuple[str, ...]
-    metadata: Mapping[bytes, bytes]
+    origin: str  # the file, for messages
+    names: tuple[str, ...]  # the columns, in order; unused ones may share a name
+    metadata: Mapping[bytes, bytes]  # of a Parquet file
 
     @abstractmethod
     def load(self, chosen: Sequence[str]) -> ArrowTable:

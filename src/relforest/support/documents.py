@@ -85,12 +85,7 @@ def is_clean(text: str) -> bool:
 def well_formed(complaint: str, remedy: str = "") -> Iterator[None]:
     """Turn the errors that a ``with`` block raises on a malformed document into `ModelFormatError`.
 
-    Parameters
-    ----------
-    complaint : str
-        The beginning of the message, such as ``"model.json is damaged"``.
-    remedy : str
-        What to do; the end of the message.
+    Its message begins with the complaint, such as ``"model.json is damaged"``, and ends with the remedy.
     """
     end = f"; {remedy}" if remedy else ""
     try:

@@ -44,17 +44,8 @@ def kernel(function: Function) -> Function:
 
     Kernels release the GIL, so threads run them in parallel, and divide like NumPy (x / 0 is inf or NaN, not
     an exception). With ``NUMBA_DISABLE_JIT=1`` the function itself is returned; division by zero then raises
-    or warns and unsigned integers no longer wrap silently, so kernels must not rely on either.
-
-    Parameters
-    ----------
-    function : callable
-        A module-level function in the subset of Python that Numba compiles.
-
-    Returns
-    -------
-    callable
-        A drop-in replacement; type checkers see the type of ``function``.
+    or warns and unsigned integers no longer wrap silently, so kernels must not rely on either. Only functions
+    of modules can be kernels, in the subset of Python that Numba compiles.
     """
     return _compiled(function, inline="never")
 
