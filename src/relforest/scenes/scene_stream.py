@@ -197,11 +197,11 @@ def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | 
         raise InputError(f"{source.origin} has no rows: at least one scene is needed")
     if layout is None:
         schema, names = own_columns(source.files[0])
-        first = source.files[0].origin
         for file in source.files:
             if own_columns(file) != (schema, names):
                 raise InputError(
-                    f"{file.origin} and {first} hold scenes of different schemas: read them one by one"
+                    f"{file.origin} and {source.files[0].origin} hold scenes of different schemas: read them "
+                    "one by one"
                 )
         stream = SceneStream(source, None, tuple(names), names[-2], schema, label)
     else:

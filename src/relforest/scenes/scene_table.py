@@ -70,13 +70,12 @@ def read_scenes(
     """
     file = open_table(path, dialect)
     labels = [] if label is None else [label]
-    if is_own(file):
-        own = _own_layout(file, layout)
-        if own is not None:
-            # Only the file's own numbering distinguishes scenes with the same id.
-            scene_key = own_columns(file)[1][-2]
-            table = file.read([scene_key, *labels])
-            return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
+    own = _own_layout(file, layout) if is_own(file) else None
+    if own is not None:
+        # Only the file's own numbering distinguishes scenes with the same id.
+        scene_key = own_columns(file)[1][-2]
+        table = file.read([scene_key, *labels])
+        return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
     layout = _required(layout, file, str(path), remedy)
     table = file.read([*layout.columns, *labels])
     if is_own(file):

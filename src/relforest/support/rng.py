@@ -30,10 +30,6 @@ def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
         RandomState is asked for 128 bits, so that successive calls differ; None uses fresh entropy from the
         operating system.
 
-    Returns
-    -------
-    numpy.random.SeedSequence
-
     Raises
     ------
     InputError
