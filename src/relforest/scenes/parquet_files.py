@@ -20,8 +20,6 @@ from relforest.support.errors import InputError, RelforestError
 __all__ = [
     "PARQUET_SUFFIXES",
     "ParquetFile",
-    "check_same_columns",
-    "common_type",
     "data_files",
     "parquet_at",
     "parquet_from_bytes",
@@ -153,41 +151,6 @@ def data_files(paths: Iterable[Path], origin: str) -> list[Path]:
     if not found:
         raise InputError(f"{origin} contains no Parquet files")
     return found
-
-
-def check_same_columns(files: Sequence[TableFile]) -> None:
-    """Check that the files of a folder have the same columns, in any order.
-
-    Raises
-    ------
-    InputError
-        If they differ.
-    """
-    for file in files:
-        differing = sorted(set(file.names) ^ set(files[0].names))
-        if differing:
-            raise InputError(
-                f"{file.origin} and {files[0].origin} differ in the column {differing[0]!r}: all files of a "
-                "folder must have the same columns"
-            )
-
-
-def common_type(name: str, types: Mapping[str, ArrowType]) -> ArrowType:
-    """Return the type of a column in all files, by origin, except where it has only nulls.
-
-    Raises
-    ------
-    InputError
-        If it has several.
-    """
-    known = [(origin, kind) for origin, kind in types.items() if not pa.types.is_null(kind)]
-    odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
-    if odd:
-        raise InputError(
-            f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: all "
-            "files of a folder must have the same types"
-        )
-    return known[0][1] if known else pa.null()
 
 
 def _is_text(kind: ArrowType) -> bool:

@@ -1,4 +1,4 @@
-"""One or many Parquet files as one long table that is read in pieces and never held in memory."""
+"""One or many Parquet files as one long table, which can be read in pieces and need not be held in memory."""
 
 from __future__ import annotations
 
@@ -15,13 +15,7 @@ from relforest.scenes.arrow import ArrowTable, ArrowType
 from relforest.scenes.columns import check_named
 from relforest.scenes.digests import BLOCK_ROWS
 from relforest.scenes.parquet import check_unchanged, is_own
-from relforest.scenes.parquet_files import (
-    ParquetFile,
-    check_same_columns,
-    common_type,
-    data_files,
-    parquet_at,
-)
+from relforest.scenes.parquet_files import ParquetFile, data_files, parquet_at
 from relforest.scenes.sources import checked_path
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
@@ -73,9 +67,19 @@ class ParquetSource(TableFile):
         chosen = list(dict.fromkeys(columns))
         for file in self.files:
             check_named(chosen, file.names, file.origin)
-        return {
-            name: common_type(name, {file.origin: file.types[name] for file in self.files}) for name in chosen
-        }
+        return {name: self._common_type(name) for name in chosen}
+
+    def _common_type(self, name: str) -> ArrowType:
+        """Return the type of a column in all files, except where it has only nulls."""
+        stored = [(file.origin, file.types[name]) for file in self.files]
+        known = [(origin, kind) for origin, kind in stored if not pa.types.is_null(kind)]
+        odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
+        if odd:
+            raise InputError(
+                f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: "
+                "all files of a folder must have the same types"
+            )
+        return known[0][1] if known else pa.null()
 
     def pieces(self, types: Mapping[str, ArrowType], n_rows: int) -> Iterator[Piece]:
         """Yield columns, converted to the given types, of all files in order, `n_rows` rows at a time.
@@ -109,7 +113,13 @@ def open_source(source: str | PathLike[str]) -> ParquetSource:
         If there are none, one of them is damaged, or they have different columns.
     """
     files = tuple(map(parquet_at, _paths(source)))
-    check_same_columns(files)
+    for file in files:
+        differing = sorted(set(file.names) ^ set(files[0].names))
+        if differing:
+            raise InputError(
+                f"{file.origin} and {files[0].origin} differ in the column {differing[0]!r}: all files of a "
+                "folder must have the same columns"
+            )
     return ParquetSource(str(source), files[0].names, {}, files)
 
 

@@ -19,8 +19,18 @@ def write(
 ) -> None:
     """Write a line of text that is centred at a point, or ends (side 1) or begins (side -1) there.
 
-    The point is a column and a row, on which digits are vertically centred; the font size is in pixels. Text
-    outside the canvas is clipped.
+    Parameters
+    ----------
+    canvas : (height, width, 3) uint8
+        Text outside the canvas is clipped.
+    text : str
+    at : (float, float)
+        Column and row; digits are vertically centred on this row.
+    size : int
+        Font size in pixels.
+    color : (int, int, int)
+    side : float
+    bold : bool
     """
     if not text:
         return
