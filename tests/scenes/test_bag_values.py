@@ -97,7 +97,7 @@ def test_pandas_missing_values_are_nan() -> None:
         ([np.ma.masked_equal([1.0, 2.0], 2.0)], "bag 7 has masked values"),
         ([[1.0, np.ma.masked]], "bag 7 has masked values"),
         ([[1.0], [2.0, 3.0]], "bag 7 has rows of different lengths"),
-        (np.zeros((2, 1), dtype=[("x", float)]), "bag 7 is of type .* convert it to numbers"),
+        (np.zeros((2, 1), dtype=[("x", float)]), "bag 7 contains records: convert them to numbers"),
         (pl.LazyFrame({"a": [1.0]}), r"bag 7 is a lazy table: call its collect\(\) first"),
         (pd.DataFrame([[1, 2]], columns=["a", "a"]), "bag 7 has two columns of the same name"),
         (pd.DataFrame([[1, 2]], columns=["a", 1]), r"names, but your input has \['int', 'str'\]"),

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from relforest.scenes.csv_rows import csv_rows, start_of_line
+from relforest.scenes.csv_rows import csv_rows
 from relforest.support.errors import InputError
 
 TEXT = 'a,b\r\n\n"1\n2", "x, y"\né,4'.encode()
@@ -14,17 +14,6 @@ def test_rows_know_their_lines() -> None:
         (3, 4, ["1\n2", "x, y"]),
         (5, 5, ["é", "4"]),
     ]
-
-
-def test_lines_are_found() -> None:
-    assert [TEXT[start_of_line(TEXT, number) :][:1] for number in (1, 2, 3, 4, 5)] == [
-        b"a",
-        b"\n",
-        b'"',
-        b"2",
-        b"\xc3",
-    ]
-    assert start_of_line(TEXT, 6) == start_of_line(TEXT, 99) == len(TEXT)
 
 
 def test_fields_of_boundless_length_are_refused() -> None:

@@ -297,7 +297,7 @@ def test_a_value_in_a_scene_without_object_ids_is_named_by_its_row() -> None:
 
 def test_a_long_list_of_objects_is_cut_in_messages() -> None:
     frame = pd.DataFrame({"s": [1] * 11, "o": range(11), "x": [0.0] * 11, "p": [99] * 11})
-    with pytest.raises(InputError, match=r"\(it has 0, 1, 2, 3, 4, 5, 6, 7, and 3 more\)"):
+    with pytest.raises(InputError, match=r"\(it has 0, 1, 2, 3, 4, 5, 6, 7 and 3 more\)"):
         Scenes.from_frame(frame, scene="s", object="o", attributes={"x": "x"}, arguments=["p"])
 
 

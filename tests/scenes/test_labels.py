@@ -16,10 +16,10 @@ from relforest.support.errors import InputError
 @pytest.mark.parametrize("classes", [[0, 1], [-1, 1], [False, True], ["far", "near"]])
 def test_the_second_class_in_sorted_order_is_positive(classes: list[Any]) -> None:
     no, yes = classes
-    labels = binary_labels([yes, no, no], 3, what="scenes")
+    found, positive = binary_labels([yes, no, no], 3, what="scenes")
 
-    assert labels.classes.tolist() == classes
-    assert labels.positive.tolist() == [True, False, False]
+    assert found.tolist() == classes
+    assert positive.tolist() == [True, False, False]
 
 
 @pytest.mark.parametrize(
@@ -78,13 +78,13 @@ def test_things_that_are_not_labels_are_refused(y: Any, message: str) -> None:
     ],
 )
 def test_columns_of_any_library_are_labels(y: Any) -> None:
-    assert binary_labels(y, 3, what="bags").positive.tolist() == [False, True, False]
+    assert binary_labels(y, 3, what="bags")[1].tolist() == [False, True, False]
 
 
 def test_a_column_vector_is_flattened_with_scikit_learns_warning() -> None:
     with pytest.warns(
         DataConversionWarning, match="A column-vector y was passed when a 1d array was expected"
     ):
-        labels = binary_labels(np.array([[0], [1], [0]]), 3, what="bags")
+        _, positive = binary_labels(np.array([[0], [1], [0]]), 3, what="bags")
 
-    assert labels.positive.tolist() == [False, True, False]
+    assert positive.tolist() == [False, True, False]

@@ -12,7 +12,8 @@ import pytest
 from pyarrow import parquet
 
 from relforest.scenes import Scenes, parquet_files, read_table
-from relforest.scenes.parquet_files import open_parquet, parquet_from_bytes
+from relforest.scenes.parquet_files import parquet_from_bytes
+from relforest.scenes.parquet_source import open_parquet
 from relforest.support.errors import InputError
 
 
@@ -84,12 +85,12 @@ def test_blocks_have_the_rows_of_the_whole(
 ) -> None:
     monkeypatch.setattr(parquet_files, "_BUFFERED_FROM", buffered_from)
     path = write(tmp_path / "t.parquet", s=pa.array(["b", None]).dictionary_encode())
-    file = parquet_files.ParquetFile.at(path)
+    file = parquet_files.parquet_at(path)
     blocks = list(file.blocks(["x", "s"], 1))
 
     assert [block.to_pydict() for block in blocks] == [{"x": [0.5], "s": ["b"]}, {"x": [1.5], "s": [None]}]
     assert pa.concat_tables(blocks).equals(file.load(["x", "s"]))
-    assert file.footer()[0]["s"] == blocks[0].schema.field("s").type
+    assert file.types["s"] == blocks[0].schema.field("s").type
 
 
 def test_damage_to_a_page_is_noticed(tmp_path: Path) -> None:

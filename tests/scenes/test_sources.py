@@ -10,7 +10,7 @@ import pyarrow as pa
 import pytest
 
 from relforest.scenes import read_table
-from relforest.scenes.sources import name_of, read_bytes, read_text
+from relforest.scenes.sources import name_of, read_bytes, read_text, unpacked
 from relforest.support import files
 from relforest.support.errors import InputError
 
@@ -84,6 +84,18 @@ def test_compressed_files_are_unpacked(packed: bytes, tmp_path: Path) -> None:
     path.write_bytes(packed[:-8])
     with pytest.raises(InputError, match=r"t\.csv is damaged: it cannot be unpacked with"):
         read_bytes(path)
+
+
+def test_what_is_compressed_is_unpacked_and_the_rest_left_alone() -> None:
+    assert unpacked(gzip.compress(b"a,b") + gzip.compress(b",c") + bytes(3), "table") == b"a,b,c"
+    assert unpacked(b"a,b", "table.gz") == b"a,b"
+    assert unpacked(b"", "table") == b""
+
+
+@pytest.mark.parametrize("damaged", [gzip.compress(b"a,b")[:-8] + bytes(8), b"\x1f\x8b"])
+def test_damaged_compression_is_refused(damaged: bytes) -> None:
+    with pytest.raises(InputError, match="table is damaged: it cannot be unpacked with gzip"):
+        unpacked(damaged, "table")
 
 
 def test_a_small_file_does_not_unpack_to_any_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

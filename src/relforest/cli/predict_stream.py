@@ -96,7 +96,7 @@ def _is_parquet(path: Path) -> bool:
 
 def _targets(source: ParquetSource, out: Path) -> list[Path]:
     """Return the files to write: one, or one for each file of the source."""
-    read = [file.path for file in source.files]
+    read = [Path(file.origin) for file in source.files]
     targets = [out]
     if out.is_dir() or not _is_parquet(out):
         targets = [out / path.name for path in read]

@@ -15,8 +15,8 @@ from relforest.datasets.catalogue import CATALOGUE, EAST_WEST, SHA256, file_name
 from relforest.datasets.download import data_file
 from relforest.datasets.readers.arff import read_relation
 from relforest.datasets.readers.csv_table import Columns, parse_csv
+from relforest.scenes.sources import unpacked
 from relforest.support.errors import DataError
-from relforest.support.files import unpacked
 from relforest.support.options import one_of
 
 __all__ = [

@@ -65,11 +65,11 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
             y = own_labels(bags)
         if y is None:
             raise InputError("requires y to be passed, but the target y is None: give each bag a label")
-        labels = binary_labels(y, len(data), what="bags")
+        classes, positive = binary_labels(y, len(data), what="bags")
         # Several threads would add in another order, and round differently on other machines.
         with one_blas_thread(), printed_to_stderr(getattr(self, "verbose", False)):
-            self._fit(data, labels.positive)
-        self.classes_ = labels.classes
+            self._fit(data, positive)
+        self.classes_ = classes
         remember_columns(self, data)
         return self
 

@@ -16,11 +16,10 @@ from relforest.models.model_file import check_names
 from relforest.scenes import Scenes, scene_values
 from relforest.scenes.columns import listed, open_frame
 from relforest.scenes.dialect import ANY_DIALECT, Dialect
-from relforest.scenes.frames import FrameLayout, stored_values
+from relforest.scenes.frames import FrameLayout, named_columns, stored_values
 from relforest.scenes.ids import plain
 from relforest.scenes.label_text import parsed_label
 from relforest.scenes.labels import class_labels
-from relforest.scenes.named_columns import named_columns
 from relforest.scenes.number_columns import number_columns
 from relforest.scenes.scene_stream import SceneColumns
 from relforest.scenes.scene_table import SceneTable, read_scenes

@@ -141,11 +141,9 @@ def _check_categories(schema: Schema, matrix: FloatArray, object_ids: IdArray) -
         if attribute.kind != "category":
             continue
         places = matrix[:, schema.offset(attribute.name)]
-        defined = places[~np.isnan(places)]
-        if not np.isin(defined, np.arange(len(attribute.categories))).all():
-            row = np.flatnonzero(~np.isnan(places) & ~np.isin(places, np.arange(len(attribute.categories))))[
-                0
-            ]
+        wrong = np.flatnonzero(~np.isnan(places) & ~np.isin(places, np.arange(len(attribute.categories))))
+        if wrong.size:
+            row = wrong[0]
             raise InputError(
                 f"object {plain(object_ids[row])!r} (row {row}) has the category {places[row]:g} of "
                 f"{attribute.name!r}: use the number of one of its {len(attribute.categories)} categories, "

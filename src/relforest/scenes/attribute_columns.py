@@ -22,19 +22,10 @@ Layout = Sequence[tuple[Attribute, Sequence[str]]]
 
 
 def attribute_columns(table: Frame, layout: Layout, locate: Locate) -> tuple[FloatArray, list[Attribute]]:
-    """Return the values of attributes, NaN where undefined, and the attributes with their categories.
+    """Return the values of attributes (n, total dim), NaN where undefined, and the attributes.
 
-    Parameters
-    ----------
-    table : narwhals data frame
-    layout : sequence of (Attribute, column names)
-        One column per component. A category without a list of categories gets those of its column, sorted.
-    locate : callable
-        Row number -> a description of the place, for messages.
-
-    Returns
-    -------
-    (n, total dim) array, list of Attribute
+    A category without a list of categories gets those of its column, sorted. `locate` describes the place of
+    a row in messages.
 
     Raises
     ------

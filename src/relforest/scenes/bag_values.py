@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from datetime import date, time, timedelta
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any, NamedTuple, cast, final
+from typing import Any, Final, NamedTuple, cast, final
 
 import narwhals as nw
 import numpy as np
@@ -25,7 +25,15 @@ __all__ = [
     "is_sparse",
 ]
 
-_MOMENTS = (date, time, timedelta, np.datetime64, np.timedelta64)
+_REFUSED: Final = (
+    ((str, bytes), "{} contains strings: convert them to numbers"),
+    (
+        (date, time, timedelta, np.datetime64, np.timedelta64),
+        "{} contains dates or times: convert them to numbers, in a unit of your choice",
+    ),
+    ((complex, np.complexfloating), "Complex data not supported: {} contains complex numbers"),
+    (np.void, "{} contains records: convert them to numbers"),
+)
 
 
 @final
@@ -46,13 +54,7 @@ def are_names(columns: tuple[Any, ...] | None) -> bool:
 
 
 def as_values(values: object, what: str) -> Values:
-    """Convert numbers to a new float64 array of any shape.
-
-    Parameters
-    ----------
-    values : array, nested sequence, or pandas, polars or pyarrow table
-    what : str
-        Name for error messages, such as ``"bag 3"``.
+    """Convert an array, nested sequence, or table to a new float64 array of any shape.
 
     Raises
     ------
@@ -134,42 +136,24 @@ def _from_frame(frame: object, what: str) -> Values:
 
 
 def _as_floats(array: np.ndarray[Any, Any], what: str) -> FloatArray:
-    kind = array.dtype.kind
-    if kind in "fiub":
+    if array.dtype.kind in "fiub":
         # A long double may be too large for a float; it becomes infinite and is refused later.
         with np.errstate(over="ignore"):
             return array.astype(np.float64)
-    if kind == "O":
-        return np.array([_as_float(value, what) for value in array.flat], dtype=np.float64).reshape(
-            array.shape
-        )
-    _refuse_kind(kind, what)
-    raise InputError(f"{what} is of type {array.dtype}: convert it to numbers")
+    numbers = [_as_float(value, what) for value in array.flat]
+    return np.array(numbers, dtype=np.float64).reshape(array.shape)
 
 
 def _as_float(value: object, what: str) -> float:
     # The second test is for pandas' missing value.
     if value is None or type(value).__name__ == "NAType":
         return float("nan")
-    if isinstance(value, (str, bytes)):
-        _refuse_kind("U", what)
-    if isinstance(value, _MOMENTS):
-        _refuse_kind("M", what)
-    if isinstance(value, (complex, np.complexfloating)):
-        _refuse_kind("c", what)
+    for types, complaint in _REFUSED:
+        if isinstance(value, types):
+            raise InputError(complaint.format(what))
     try:
         return float(cast("float | Decimal | Fraction", value))
     except OverflowError:
         return float("inf")
     except (TypeError, ValueError) as error:
         raise BagTypeError(f"{what} must contain numbers: {error}") from error
-
-
-def _refuse_kind(kind: str, what: str) -> None:
-    """Raise an error for arrays of this (NumPy) kind, unless they contain real numbers."""
-    if kind == "c":
-        raise InputError(f"Complex data not supported: {what} contains complex numbers")
-    if kind in "USTa":
-        raise InputError(f"{what} contains strings: convert them to numbers")
-    if kind in "mM":
-        raise InputError(f"{what} contains dates or times: convert them to numbers, in a unit of your choice")

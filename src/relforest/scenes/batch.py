@@ -13,12 +13,11 @@ from numpy.typing import ArrayLike
 
 from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arrays, compact, recoded
 from relforest.scenes.derived import add_attribute
-from relforest.scenes.frames import AttributeColumns, arrays_from_frame, frame_layout
+from relforest.scenes.frames import AttributeColumns, arrays_from_frame, frame_layout, named_columns
 from relforest.scenes.ids import IdArray
-from relforest.scenes.named_columns import named_columns
 from relforest.scenes.padded import arrays_from_padded
 from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
-from relforest.scenes.parquet_files import open_parquet
+from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
@@ -160,17 +159,14 @@ class Scenes:
             If a position does not exist, or the mask has another length.
         """
         chosen = self._positions(indices)
-        scenes: Scenes = object.__new__(Scenes)
-        _fill(
-            scenes,
+        return _unchecked(
             self.parts._replace(
                 starts=self.starts[chosen],
                 counts=self.counts[chosen],
                 arguments=self.arguments[chosen],
                 scene_ids=self.scene_ids[chosen],
-            ),
+            )
         )
-        return scenes
 
     def __getitem__(self, key: _Key | tuple[_Key, EllipsisType]) -> Scenes:
         """Return the scene or scenes at ``key`` as `Scenes`; see `take`."""
@@ -386,10 +382,7 @@ class Scenes:
             raise InputError(
                 f"the new matrix must be float64 {self.matrix.shape}, got {matrix.dtype} {matrix.shape}"
             )
-        matrix.flags.writeable = False
-        scenes: Scenes = object.__new__(Scenes)
-        _fill(scenes, self.parts._replace(matrix=matrix))
-        return scenes
+        return _unchecked(self.parts._replace(matrix=matrix))
 
     def recoded(self, schema: Schema) -> Scenes:
         """Return the same scenes with the categories of another schema, that of a model.
@@ -440,6 +433,12 @@ def checked_scenes(scenes: object) -> Scenes:
         raise InputError(
             f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
         )
+    return scenes
+
+
+def _unchecked(parts: SceneArrays) -> Scenes:
+    scenes: Scenes = object.__new__(Scenes)
+    _fill(scenes, parts)
     return scenes
 
 

@@ -10,7 +10,7 @@ import pyarrow as pa
 from pyarrow import csv
 
 from relforest.scenes.arrow import ArrowTable
-from relforest.scenes.csv_rows import csv_rows, start_of_line, wrong_length
+from relforest.scenes.csv_rows import csv_rows, wrong_length
 from relforest.scenes.dialect import Dialect, detected_separator
 from relforest.scenes.number_columns import with_decimal
 from relforest.scenes.sources import decoded, is_broken, utf8
@@ -19,54 +19,48 @@ from relforest.support.errors import InputError
 
 __all__ = ["open_csv"]
 
-_BLOCK: Final = 2**20
 _LARGEST_BLOCK: Final = 2**31 - 1
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class _CsvText:
+class CsvFile(TableFile):
     """CSV text after its header was read."""
 
     data: bytes  # UTF-8
-    origin: str
-    names: tuple[str, ...]
     separator: str
     decimal: str | None
-    first_line: int  # the line after the header
+    n_skipped: int  # lines of the header
 
     def load(self, chosen: Sequence[str]) -> ArrowTable:
         """Return columns as strings, exactly as written, with nulls for empty fields."""
         if any(map(is_broken, chosen)):
             decoded(self.data, "utf-8", self.origin)
-        start = start_of_line(self.data, self.first_line)
         try:
-            table = self._parse(start, chosen, _BLOCK)
-        except pa.ArrowException:
-            table = self._parse_long_rows(start, chosen)
-        self._check_quotes(start, len(table))
-        return table if self.decimal is None else with_decimal(table, self.decimal)
-
-    def _parse_long_rows(self, start: int, chosen: Sequence[str]) -> ArrowTable:
-        try:
-            return self._parse(start, chosen, _LARGEST_BLOCK)
+            table = self._parse(chosen)
         except pa.ArrowException as error:
             self._check_rows()
             raise InputError(f"{self.origin} cannot be read as CSV: write it with shorter rows") from error
+        n_lines = self.data.count(b"\n") + (not self.data.endswith(b"\n")) - self.n_skipped
+        if len(table) != n_lines and b'"' in self.data:
+            # Quotes may have swallowed rows.
+            self._check_rows()
+        return table if self.decimal is None else with_decimal(table, self.decimal)
 
-    def _parse(self, start: int, chosen: Sequence[str], block_size: int) -> ArrowTable:
+    def _parse(self, chosen: Sequence[str]) -> ArrowTable:
         # Names may repeat, positions do not.
         places = [str(place) for place in range(len(self.names))]
         wanted = [str(self.names.index(name)) for name in chosen]
-        body = pa.py_buffer(self.data)[start:]
-        if not body.size:
-            return pa.table([pa.array([], pa.string())] * len(chosen), names=list(chosen))
         table = csv.read_csv(
-            pa.BufferReader(body),
-            read_options=csv.ReadOptions(column_names=places, block_size=block_size),
-            parse_options=csv.ParseOptions(
-                delimiter=self.separator, newlines_in_values=self.data.find(b'"', start) >= 0
+            # A header may be all that there is, and end with the file.
+            pa.BufferReader(self.data if self.data.endswith(b"\n") else self.data + b"\n"),
+            # One block, because a row may be of any length.
+            read_options=csv.ReadOptions(
+                column_names=places,
+                skip_rows=self.n_skipped,
+                block_size=min(len(self.data) + 2, _LARGEST_BLOCK),
             ),
+            parse_options=csv.ParseOptions(delimiter=self.separator, newlines_in_values=b'"' in self.data),
             convert_options=csv.ConvertOptions(
                 include_columns=wanted,
                 column_types=dict.fromkeys(wanted, pa.string()),
@@ -75,12 +69,6 @@ class _CsvText:
             ),
         )
         return table.rename_columns(list(chosen))
-
-    def _check_quotes(self, start: int, n_rows: int) -> None:
-        """Check every row if quotes may have swallowed some."""
-        n_lines = self.data.count(b"\n", start) + (not self.data.endswith(b"\n"))
-        if n_rows != n_lines and self.data.find(b'"', start) >= 0:
-            self._check_rows()
 
     def _check_rows(self) -> None:
         """Raise an error that names the first fault and its place, if there is one."""
@@ -106,5 +94,4 @@ def open_csv(content: bytes, origin: str, dialect: Dialect) -> TableFile:
     head = next(csv_rows(data, separator, origin), None)
     if head is None:
         raise InputError(f"{origin} is empty: its first line must name the columns")
-    text = _CsvText(data, origin, tuple(head.fields), separator, dialect.decimal, head.last_line + 1)
-    return TableFile(origin, text.names, text.load)
+    return CsvFile(origin, tuple(head.fields), {}, data, separator, dialect.decimal, head.last_line)

@@ -9,38 +9,21 @@ from typing import NamedTuple
 
 from relforest.support.errors import InputError
 
-__all__ = ["CsvRow", "csv_rows", "start_of_line", "wrong_length"]
+__all__ = ["CsvRow", "csv_rows", "wrong_length"]
 
 
 class CsvRow(NamedTuple):
-    """A row that is not blank.
+    """A row that is not blank."""
 
-    Attributes
-    ----------
-    line, last_line : int
-        The lines where it begins and ends, from 1.
-    fields : list of str
-        Without quotes.
-    """
-
-    line: int
-    last_line: int
-    fields: list[str]
+    line: int  # where it begins, from 1
+    last_line: int  # where it ends
+    fields: list[str]  # without quotes
 
 
 def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = False) -> Iterator[CsvRow]:
-    """Yield the rows of CSV text.
+    """Yield the rows of CSV text in UTF-8, whose invalid bytes become lone surrogates.
 
-    Parameters
-    ----------
-    data : bytes
-        UTF-8; invalid bytes become lone surrogates.
-    separator : str
-        The field separator.
-    origin : str
-        The file, for messages.
-    skip_blanks : bool
-        Whether to drop blanks after a separator.
+    With `skip_blanks`, blanks after a separator are dropped.
 
     Raises
     ------
@@ -48,7 +31,8 @@ def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = Fa
         If quotes are not closed, or a field is longer than 131072 characters.
     """
     # Without strict, an unclosed quote silently swallows the rest of the file.
-    table = csv.reader(_lines(data), delimiter=separator, skipinitialspace=skip_blanks, strict=True)
+    lines = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8", errors="surrogateescape", newline="")
+    table = csv.reader(lines, delimiter=separator, skipinitialspace=skip_blanks, strict=True)
     line = 1
     try:
         for fields in table:
@@ -64,14 +48,6 @@ def csv_rows(data: bytes, separator: str, origin: str, *, skip_blanks: bool = Fa
         ) from error
 
 
-def start_of_line(data: bytes, number: int) -> int:
-    """Return the offset in UTF-8 text of a line, given its number from 1."""
-    return sum(
-        len(line.encode("utf-8", "surrogateescape"))
-        for line, _ in zip(_lines(data), range(number - 1), strict=False)
-    )
-
-
 def wrong_length(row: CsvRow, n_columns: int, separator: str) -> str | None:
     """Return a complaint about a row with too few or too many fields, None for other rows."""
     if len(row.fields) == n_columns:
@@ -80,7 +56,3 @@ def wrong_length(row: CsvRow, n_columns: int, separator: str) -> str | None:
         f"the row has {len(row.fields)} of {n_columns} fields: complete the row, and quote fields "
         f"that contain the separator {separator!r}"
     )
-
-
-def _lines(data: bytes) -> Iterator[str]:
-    return io.TextIOWrapper(io.BytesIO(data), encoding="utf-8", errors="surrogateescape", newline="")

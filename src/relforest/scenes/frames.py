@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any, cast, final
 
 import numpy as np
@@ -27,23 +28,12 @@ __all__ = [
     "FrameLayout",
     "arrays_from_frame",
     "frame_layout",
+    "named_columns",
     "scene_values",
     "stored_values",
 ]
 
 AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class _Objects:
-    """The table rows that are objects, scene by scene."""
-
-    rows: IntArray  # (n_objects,) row numbers in the table
-    scenes: IntArray  # (n_objects,) scene codes, ascending
-    counts: IntArray  # (n_scenes,)
-    starts: IntArray  # (n_scenes,)
-    codes: Codes  # identifiers
 
 
 @final
@@ -72,6 +62,32 @@ def frame_layout(
     )
 
 
+def named_columns(
+    origin: str | PathLike[str],
+    scene: str | None = None,
+    object: str | None = None,  # noqa: A002 - the keyword of `Scenes.from_parquet`
+    attributes: AttributeColumns | None = None,
+    arguments: Sequence[str] = (),
+    *,
+    own: bool,
+) -> FrameLayout | None:
+    """Return the columns named by the keywords of `Scenes.from_parquet`, or None for a file's own.
+
+    Raises
+    ------
+    InputError
+        If keywords are missing that a file needs which is not `own`, written by `Scenes.to_parquet`.
+    """
+    if own and scene is None and object is None and attributes is None and not arguments:
+        return None
+    if scene is None or attributes is None:
+        raise InputError(
+            f"{origin} was not written by Scenes.to_parquet, or keywords were given: name its columns "
+            "with scene= and attributes= (and object=, arguments=) as for from_frame"
+        )
+    return frame_layout(scene, object, attributes, arguments)
+
+
 def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
     """Read scenes from a long table; see `Scenes.from_frame`."""
     Schema([attribute for attribute, _ in layout.attributes], layout.arguments)  # names that clash
@@ -79,21 +95,30 @@ def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
     scenes = _scene_codes(table, layout.scene)
     object_ids = None if layout.object is None else id_column(table, layout.object)
     matrix, attributes = attribute_columns(table, layout.attributes, _locator(scenes, object_ids))
-    objects = _group(scenes, object_ids, matrix)
-    index = index_objects(scenes.ids, objects.scenes, objects.codes)
+    is_object = np.ones(len(table), dtype=np.bool_)
+    if object_ids is not None:
+        is_object = pc.is_valid(object_ids).to_numpy(zero_copy_only=False)
+        _check_placeholders(scenes, is_object, matrix)
+    # The objects of a scene together, in row order.
+    order = np.argsort(scenes.codes, kind="stable")
+    rows = order[is_object[order]]
+    counts = np.bincount(scenes.codes[rows], minlength=len(scenes))
+    starts = np.cumsum(counts) - counts
+    objects = _object_codes(object_ids, rows, counts)
+    index = index_objects(scenes.ids, scenes.codes[rows], objects)
     bound = [
         bind_arguments(index, parameter, _constant_values(id_column(table, parameter), scenes, parameter))
         for parameter in layout.arguments
     ]
     return SceneArrays(
         Schema(attributes, layout.arguments),
-        matrix[objects.rows],
-        np.arange(len(objects.rows)),
-        objects.starts,
-        objects.counts,
+        matrix[rows],
+        np.arange(len(rows)),
+        starts,
+        counts,
         np.column_stack([np.empty((len(scenes), 0), dtype=np.int64), *bound]),
         scenes.ids,
-        objects.codes.ids[objects.codes.codes],
+        objects.ids[objects.codes],
     )
 
 
@@ -190,23 +215,13 @@ def _locator(scenes: Codes, object_ids: ArrowArray | None) -> Locate:
     return locate
 
 
-def _group(scenes: Codes, object_ids: ArrowArray | None, matrix: FloatArray) -> _Objects:
-    """Bring the objects of a scene together, in row order, without placeholders of empty scenes."""
-    is_object = np.ones(len(matrix), dtype=np.bool_)
-    if object_ids is not None:
-        is_object = pc.is_valid(object_ids).to_numpy(zero_copy_only=False)
-        _check_placeholders(scenes, is_object, matrix)
-    order = np.argsort(scenes.codes, kind="stable")
-    rows = order[is_object[order]]
-    counts = np.bincount(scenes.codes[rows], minlength=len(scenes))
-    starts = np.cumsum(counts) - counts
+def _object_codes(object_ids: ArrowArray | None, rows: IntArray, counts: IntArray) -> Codes:
+    """Return the identifiers of the objects in `rows`, scene after scene: their own, or their numbers."""
     if object_ids is None:
-        within = np.arange(len(rows)) - np.repeat(starts, counts)
-        codes = Codes(within, np.arange(counts.max(initial=0)))
-    else:
-        encoded = encode(object_ids)
-        codes = Codes(encoded.codes[rows], encoded.ids)
-    return _Objects(rows, scenes.codes[rows], counts, starts, codes)
+        within = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+        return Codes(within, np.arange(counts.max(initial=0)))
+    encoded = encode(object_ids)
+    return Codes(encoded.codes[rows], encoded.ids)
 
 
 def _check_placeholders(scenes: Codes, is_object: NDArray[np.bool_], matrix: FloatArray) -> None:

@@ -15,14 +15,7 @@ IdArray = NDArray[Any]
 
 
 def as_ids(what: str, values: object) -> IdArray:
-    """Return identifiers as a read-only int64 or object (str) array of shape (n,).
-
-    Parameters
-    ----------
-    what : str
-        Name for error messages, such as ``"scene_ids"``.
-    values : sequence, array or series
-        Integers or strings.
+    """Return integers or strings as a read-only int64 or object (str) array of shape (n,).
 
     Raises
     ------
@@ -49,15 +42,7 @@ def as_ids(what: str, values: object) -> IdArray:
 
 
 def codes_by_appearance(ids: IdArray) -> tuple[NDArray[np.int64], IdArray]:
-    """Return the distinct identifiers in order of first appearance, and which one each entry is.
-
-    Returns
-    -------
-    codes : (n,) int64 array
-        The number of each entry's identifier.
-    distinct : (k,) array
-        The identifiers, by number.
-    """
+    """Number identifiers as they appear; return the number of each entry (n,), and the identifiers (k,)."""
     _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
     by_appearance = np.argsort(first)
     number = np.empty(len(first), dtype=np.int64)

@@ -20,10 +20,7 @@ _BOOLEANS: Final = (
 def parsed_labels(labels: NDArray[Any]) -> NDArray[Any]:
     """Return strings as integers, booleans or floats if each is the usual spelling of its value.
 
-    Parameters
-    ----------
-    labels : (n,) object array
-        Returned unchanged unless all entries are such strings, which ``01`` is not.
+    Labels (n,) are returned unchanged unless all are such strings, which ``01`` is not.
     """
     texts = set(labels.tolist())
     if not texts or not all(isinstance(text, str) for text in texts):

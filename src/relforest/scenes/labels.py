@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from numbers import Real
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sklearn.exceptions import DataConversionWarning
@@ -20,24 +19,7 @@ if TYPE_CHECKING:
 _NUMBERS = (Real, np.bool_)
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class BinaryLabels:
-    """Two classes, and which labels belong to the second one.
-
-    Parameters
-    ----------
-    classes : ndarray (2,)
-        The labels in sorted order; ``classes[1]`` is the positive class.
-    positive : bool ndarray (n,)
-        True where the label is ``classes[1]``.
-    """
-
-    classes: NDArray[Any]
-    positive: NDArray[np.bool_]
-
-
-def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
+def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Check labels and separate the positive ones from the negative ones.
 
     Parameters
@@ -49,61 +31,54 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> BinaryLabels:
     what : str
         The labelled things, for error messages: "scenes" or "bags".
 
+    Returns
+    -------
+    classes : ndarray (2,)
+        The labels in sorted order; ``classes[1]`` is the positive class.
+    positive : bool ndarray (n_expected,)
+        True where the label is ``classes[1]``.
+
     Raises
     ------
     InputError
         If the number of labels is wrong, a label is missing, masked, NaN or infinite, or there are not
         exactly two classes. Messages use scikit-learn's wording where possible.
     """
-    labels = _checked_labels(y, n_expected, what=what)
-    classes = np.unique(labels)
+    classes, codes = _coded_labels(y, n_expected, what=what)
     if len(classes) > 2:
         listed = ", ".join(map(str, classes[:5]))
         raise InputError(
             "Only binary classification is supported. The type of the target is multiclass: "
             f"{len(classes)} classes ({listed}...); label each of the {what} positive or negative"
         )
-    if len(classes) < 2:
-        listed = ", ".join(map(str, classes)) or "none"
-        raise InputError(
-            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
-        )
-    return BinaryLabels(classes, labels == classes[1])
+    return classes, codes == 1
 
 
 def class_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Check the labels of two or more classes.
-
-    Parameters
-    ----------
-    y : array-like (n_expected,)
-        Whole numbers, booleans or strings.
-    n_expected : int
-        How many labels there should be.
-    what : str
-        The labelled things, for error messages.
-
-    Returns
-    -------
-    classes : ndarray (n_classes,)
-        The different labels in sorted order.
-    codes : int64 ndarray (n_expected,)
-        The position of each label among them.
+    """Check the labels of two or more classes; return the classes, sorted, and which one each label is.
 
     Raises
     ------
     InputError
         As for `binary_labels`, except that more classes are allowed, but not more than one for two labels.
     """
-    labels = _checked_labels(y, n_expected, what=what)
-    classes, codes = np.unique(labels, return_inverse=True)
-    if len(classes) <= 2:
-        both = binary_labels(y, n_expected, what=what)
-        return both.classes, both.positive.astype(np.int64)
-    if 2 * len(classes) > n_expected:
+    classes, codes = _coded_labels(y, n_expected, what=what)
+    if len(classes) > 2 and 2 * len(classes) > n_expected:
         raise InputError(
             f"{n_expected} {what} have {len(classes)} classes: give at least two {what} a class on average, "
             "or learn a number by regression"
+        )
+    return classes, codes
+
+
+def _coded_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Return the classes in sorted order, at least two, and which one each label is."""
+    labels = _checked_labels(y, n_expected, what=what)
+    classes, codes = np.unique(labels, return_inverse=True)
+    if len(classes) < 2:
+        listed = ", ".join(map(str, classes)) or "none"
+        raise InputError(
+            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
         )
     return classes, codes.astype(np.int64)
 
@@ -146,7 +121,7 @@ def _column(y: ArrayLike) -> NDArray[Any]:
             "A column-vector y was passed when a 1d array was expected. Please change the shape of y to "
             "(n_samples,), for example using ravel().",
             DataConversionWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
         labels = labels.ravel()
     if labels.ndim != 1:

@@ -11,13 +11,12 @@ import pyarrow.compute as pc
 
 from relforest.scenes.arrays import IntArray
 from relforest.scenes.arrow import ArrowArray, is_text
-from relforest.scenes.columns import Codes
+from relforest.scenes.columns import Codes, listed
 from relforest.scenes.ids import IdArray, plain
 from relforest.support.errors import InputError
 
 __all__ = ["ObjectIndex", "bind_arguments", "index_objects"]
 
-_SHOWN = 8
 _INTEGERS = (r"^-?(0|[1-9]\d{0,14})$", r"^-?(0|[1-9]\d{0,14})\.0$")
 
 
@@ -44,23 +43,12 @@ class ObjectIndex:
         low, high = np.searchsorted(
             self.keys, [scene * len(self.object_ids), (scene + 1) * len(self.object_ids)]
         )
-        ids = [repr(plain(self.object_ids[key % len(self.object_ids)])) for key in self.keys[low:high]]
-        if len(ids) > _SHOWN:
-            ids = [*ids[:_SHOWN], f"and {len(ids) - _SHOWN} more"]
-        return ", ".join(ids) or "none"
+        ids = self.object_ids[self.keys[low:high] % max(len(self.object_ids), 1)]
+        return listed(ids.tolist()) or "none"
 
 
 def index_objects(scene_ids: IdArray, scenes: IntArray, objects: Codes) -> ObjectIndex:
-    """Index objects by scene and identifier.
-
-    Parameters
-    ----------
-    scene_ids : (n_scenes,) array
-        For messages.
-    scenes : (n_refs,) int array
-        The scene of each object.
-    objects : Codes
-        The identifier of each object; no nulls.
+    """Index objects by their scenes (n_refs,) and their identifiers (n_refs,), which are not null.
 
     Raises
     ------
@@ -83,14 +71,7 @@ def index_objects(scene_ids: IdArray, scenes: IntArray, objects: Codes) -> Objec
 def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> IntArray:
     """Return the position of the object that each scene binds to one parameter, -1 where the value is null.
 
-    Parameters
-    ----------
-    index : ObjectIndex
-        The objects of all scenes.
-    parameter : str
-        For messages.
-    values : (n_scenes,) arrow array
-        Object identifiers, from `id_column`.
+    The values are identifiers from `id_column`, one per scene.
 
     Raises
     ------

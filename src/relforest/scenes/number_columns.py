@@ -43,15 +43,8 @@ def number_columns(table: Frame, names: Sequence[str], locate: Locate) -> FloatA
     """Return columns as float64 with NaN for nulls, shape (n, number of names).
 
     In columns of text, the words of `MISSING` are nulls. The decimal mark is that of `with_decimal`; without
-    one it is a point, or a comma if the values allow no other reading.
-
-    Parameters
-    ----------
-    table : narwhals data frame
-    names : sequence of str
-        The columns.
-    locate : callable
-        Row number -> a description of the place, for messages.
+    one it is a point, or a comma if the values allow no other reading. `locate` describes the place of a row
+    in messages.
 
     Raises
     ------

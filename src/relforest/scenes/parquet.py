@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from typing import Any, Final
 
@@ -74,7 +76,8 @@ def to_table(parts: SceneArrays) -> ArrowTable:
     """
     parts = compact(parts)
     scenes = np.repeat(np.arange(len(parts.starts)), parts.counts)
-    _check_identifiable(parts, scenes)
+    objects = encode(_id_array("object_ids", parts.object_ids))
+    index_objects(parts.scene_ids, scenes, Codes(objects.codes[parts.rows], objects.ids))
     # A scene without objects gets a row of its own, with -1 in place of the object row.
     empty = np.flatnonzero(parts.counts == 0)
     order = np.argsort(np.concatenate([scenes, empty]), kind="stable")
@@ -142,7 +145,7 @@ def read_own(file: TableFile) -> SceneArrays:
         If the metadata or the numbering of scenes and objects is invalid, or a digest is wrong.
     """
     schema, names = own_columns(file)
-    try:
+    with _damage_named(file.origin):
         table = file.read(names)
         check_unchanged(file, table)
         if len(table) == 0:
@@ -151,39 +154,32 @@ def read_own(file: TableFile) -> SceneArrays:
             return SceneArrays(schema, np.empty((0, schema.width)), none, none, none, arguments, none, none)
         scenes, rows = (_numbering(table.column(name)) for name in names[-2:])
         return _read_rows(table, schema, names, (scenes, rows))
-    except (InputError, pa.ArrowException) as error:
-        raise ModelFormatError(f"{file.origin} is damaged: {error}") from error
 
 
 def read_own_part(origin: str, table: ArrowTable, schema: Schema, names: list[str]) -> SceneArrays:
     """Read some whole scenes of a table of `to_table`, one after the other, from all its columns.
 
-    Objects that these scenes share with others are read again with those.
-
-    Raises
-    ------
-    ModelFormatError
-        As for `read_own`.
+    Objects that these scenes share with others are read again with those. Raises as `read_own` does.
     """
-    try:
+    with _damage_named(origin):
         scenes, stored = (_numbering(table.column(name)) for name in names[-2:])
         rows = np.full(len(stored), -1)
         rows[stored >= 0] = np.unique(stored[stored >= 0], return_inverse=True)[1]
         return _read_rows(table, schema, names, (scenes - scenes[0], rows))
+
+
+@contextmanager
+def _damage_named(origin: str) -> Iterator[None]:
+    try:
+        yield
     except (InputError, pa.ArrowException) as error:
         raise ModelFormatError(f"{origin} is damaged: {error}") from error
 
 
 def check_unchanged(file: TableFile, table: ArrowTable, block: int | None = None) -> None:
-    """Check columns that were read from a file of `Scenes.to_parquet` against their digests.
+    """Check columns, or one block of them, from a file of `Scenes.to_parquet` against their digests.
 
-    Parameters
-    ----------
-    file : TableFile
-    table : pyarrow.Table
-        Columns, whole or only one block of rows; see `is_unchanged`.
-    block : int, optional
-        The number of that block.
+    See `is_unchanged` for blocks.
 
     Raises
     ------
@@ -279,12 +275,6 @@ def _column_names(schema: Schema) -> list[str]:
             free += "_"
         names.append(free)
     return names
-
-
-def _check_identifiable(parts: SceneArrays, scenes: IntArray) -> None:
-    objects = encode(_id_array("object_ids", parts.object_ids))
-    if len(parts.rows):
-        index_objects(parts.scene_ids, scenes, Codes(objects.codes[parts.rows], objects.ids))
 
 
 def _id_array(what: str, ids: IdArray) -> ArrowArray:

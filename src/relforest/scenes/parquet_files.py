@@ -1,11 +1,10 @@
-"""Parquet files, or folders of them, as tables, with damaged and hostile files in mind."""
+"""Parquet files as tables, with damaged and hostile files in mind."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from os import PathLike
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -15,17 +14,14 @@ import pyarrow.compute as pc
 from pyarrow import parquet
 
 from relforest.scenes.arrow import ArrowArray, ArrowTable, ArrowType, is_text
-from relforest.scenes.sources import checked_path
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, RelforestError
 
 __all__ = [
     "PARQUET_SUFFIXES",
     "ParquetFile",
-    "check_same_columns",
-    "common_type",
     "data_files",
-    "open_parquet",
+    "parquet_at",
     "parquet_from_bytes",
 ]
 
@@ -51,61 +47,18 @@ _BROKEN: Final = (
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class ParquetFile:
+class ParquetFile(TableFile):
     """A Parquet file, reopened for every read."""
 
     content: str | bytes  # the path, or the bytes themselves
-    origin: str
     size: int
-
-    @classmethod
-    def at(cls, path: Path) -> ParquetFile:
-        """Return the file with a path that exists.
-
-        Raises
-        ------
-        InputError
-            If it is not a regular file.
-        """
-        if not path.is_file():
-            raise InputError(f"{path} cannot be read: it is not a regular file")
-        return cls(str(path), str(path), path.stat().st_size)
-
-    @contextmanager
-    def opened(self, categories: Sequence[str] = (), **options: object) -> Iterator[Any]:
-        """Open the file; any error while it is open becomes an `InputError`."""
-        try:
-            raw = pa.OSFile(self.content) if isinstance(self.content, str) else pa.BufferReader(self.content)
-            with (
-                raw,
-                parquet.ParquetFile(
-                    raw, read_dictionary=list(categories), page_checksum_verification=True, **options
-                ) as file,
-            ):
-                yield file
-        except RelforestError:
-            raise
-        except _BROKEN as error:
-            raise InputError(
-                f"{self.origin} is not a readable Parquet file: it is damaged, truncated or in another format"
-            ) from error
-
-    def table_file(self) -> TableFile:
-        """Return the file as a table with known columns."""
-        with self.opened() as file:
-            schema = file.schema_arrow
-            return TableFile(self.origin, tuple(schema.names), self.load, dict(schema.metadata or {}))
-
-    def footer(self) -> tuple[dict[str, ArrowType], int]:
-        """Return the type of each column, as `load` and `blocks` return it, and the number of rows."""
-        with self.opened() as file:
-            types = {field.name: _plain_type(field.type) for field in file.schema_arrow}
-            return types, int(file.metadata.num_rows)
+    types: Mapping[str, ArrowType]  # of the columns as they are read
+    n_rows: int
 
     def load(self, chosen: Sequence[str]) -> ArrowTable:
         """Return columns with their stored types, but categories as their values."""
         # Categories stay small even if a long string is repeated often.
-        with self.opened(self._texts(chosen)) as file:
+        with _opened(self.content, self.origin, self._texts(chosen)) as file:
             return self._plain(file.read(columns=list(chosen)).select(list(chosen)))
 
     def blocks(self, chosen: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
@@ -113,13 +66,13 @@ class ParquetFile:
         # pyarrow reads a row group, which may be the whole file, but with these options page by page. It then
         # believes a damaged page that claims to have gigabytes, so small files are better read without.
         options = {"pre_buffer": False, "buffer_size": _BUFFER_BYTES} if self.size >= _BUFFERED_FROM else {}
-        with self.opened(self._texts(chosen), **options) as file:
+        with _opened(self.content, self.origin, self._texts(chosen), **options) as file:
             for batch in file.iter_batches(n_rows, columns=list(chosen)):
                 yield self._plain(pa.Table.from_batches([batch]).select(list(chosen)))
 
     def _texts(self, chosen: Sequence[str]) -> list[str]:
         """Return those of the columns that hold text, after a check of the sizes that the file claims."""
-        with self.opened() as file:
+        with _opened(self.content, self.origin) as file:
             self._check_size(_claimed_size(file.metadata, len(chosen)))
             return [name for name in chosen if _is_text(file.schema_arrow.field(name).type)]
 
@@ -139,23 +92,48 @@ class ParquetFile:
             )
 
 
-def open_parquet(path: str | PathLike[str]) -> TableFile:
-    """Open a Parquet file, or a folder of Parquet files with the same columns.
+def parquet_at(path: Path) -> ParquetFile:
+    """Open the Parquet file with a path that exists.
 
     Raises
     ------
     InputError
-        If it is missing or damaged, or the files of a folder do not go together.
+        If it is not a regular file, or is damaged.
     """
-    found = checked_path(path)
-    if found.is_dir():
-        return _open_folder(found)
-    return ParquetFile.at(found).table_file()
+    if not path.is_file():
+        raise InputError(f"{path} cannot be read: it is not a regular file")
+    return _with_footer(str(path), str(path), path.stat().st_size)
 
 
-def parquet_from_bytes(content: bytes, origin: str) -> TableFile:
-    """Return the table in the content of a Parquet file; see `open_parquet`."""
-    return ParquetFile(content, origin, len(content)).table_file()
+def parquet_from_bytes(content: bytes, origin: str) -> ParquetFile:
+    """Open a Parquet file of which this is the content; see `parquet_at`."""
+    return _with_footer(content, origin, len(content))
+
+
+def _with_footer(content: str | bytes, origin: str, size: int) -> ParquetFile:
+    with _opened(content, origin) as file:
+        schema = file.schema_arrow
+        types = {field.name: _plain_type(field.type) for field in schema}
+        metadata, n_rows = dict(schema.metadata or {}), int(file.metadata.num_rows)
+        return ParquetFile(origin, tuple(schema.names), metadata, content, size, types, n_rows)
+
+
+@contextmanager
+def _opened(
+    content: str | bytes, origin: str, categories: Sequence[str] = (), **options: object
+) -> Iterator[Any]:
+    """Open a file; any error while it is open becomes an `InputError`."""
+    try:
+        raw = pa.OSFile(content) if isinstance(content, str) else pa.BufferReader(content)
+        checked: dict[str, Any] = {"read_dictionary": list(categories), "page_checksum_verification": True}
+        with raw, parquet.ParquetFile(raw, **checked, **options) as file:
+            yield file
+    except RelforestError:
+        raise
+    except _BROKEN as error:
+        raise InputError(
+            f"{origin} is not a readable Parquet file: it is damaged, truncated or in another format"
+        ) from error
 
 
 def data_files(paths: Iterable[Path], origin: str) -> list[Path]:
@@ -173,68 +151,6 @@ def data_files(paths: Iterable[Path], origin: str) -> list[Path]:
     if not found:
         raise InputError(f"{origin} contains no Parquet files")
     return found
-
-
-def _open_folder(folder: Path) -> TableFile:
-    """Open a folder as written by Spark and others."""
-    try:
-        paths = data_files(folder.iterdir(), f"folder {folder}")
-    except OSError as error:
-        raise InputError(f"{folder} cannot be read: {error.strerror}; check the path") from error
-    files = [open_parquet(path) for path in paths]
-    check_same_columns(files)
-    for file in files:
-        if b"relforest" in file.metadata:
-            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one at a time")
-
-    def load(chosen: Sequence[str]) -> ArrowTable:
-        tables = [file.read(chosen) for file in files]
-        for name in chosen:
-            common_type(
-                name,
-                {
-                    file.origin: table.schema.field(name).type
-                    for file, table in zip(files, tables, strict=True)
-                },
-            )
-        return pa.concat_tables(tables, promote_options="default")
-
-    return TableFile(str(folder), files[0].names, load)
-
-
-def check_same_columns(files: Sequence[TableFile]) -> None:
-    """Check that the files of a folder have the same columns, in any order.
-
-    Raises
-    ------
-    InputError
-        If they differ.
-    """
-    for file in files:
-        differing = sorted(set(file.names) ^ set(files[0].names))
-        if differing:
-            raise InputError(
-                f"{file.origin} and {files[0].origin} differ in the column {differing[0]!r}: all files of a "
-                "folder must have the same columns"
-            )
-
-
-def common_type(name: str, types: Mapping[str, ArrowType]) -> ArrowType:
-    """Return the type of a column in all files, by origin, except where it has only nulls.
-
-    Raises
-    ------
-    InputError
-        If it has several.
-    """
-    known = [(origin, kind) for origin, kind in types.items() if not pa.types.is_null(kind)]
-    odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
-    if odd:
-        raise InputError(
-            f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: all "
-            "files of a folder must have the same types"
-        )
-    return known[0][1] if known else pa.null()
 
 
 def _is_text(kind: ArrowType) -> bool:

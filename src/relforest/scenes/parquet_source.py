@@ -1,4 +1,4 @@
-"""One or many Parquet files as one long table that is read in pieces and never held in memory."""
+"""One or many Parquet files as one long table, which can be read in pieces and need not be held in memory."""
 
 from __future__ import annotations
 
@@ -15,26 +15,14 @@ from relforest.scenes.arrow import ArrowTable, ArrowType
 from relforest.scenes.columns import check_named
 from relforest.scenes.digests import BLOCK_ROWS
 from relforest.scenes.parquet import check_unchanged, is_own
-from relforest.scenes.parquet_files import ParquetFile, check_same_columns, common_type, data_files
+from relforest.scenes.parquet_files import ParquetFile, data_files, parquet_at
 from relforest.scenes.sources import checked_path
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
-__all__ = ["ParquetSource", "Piece", "is_pattern", "open_source"]
+__all__ = ["ParquetSource", "Piece", "is_pattern", "open_parquet", "open_source"]
 
 _WILD: Final = frozenset("*?[")
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class SourceFile:
-    """A Parquet file, and what its footer says."""
-
-    path: Path
-    stored: ParquetFile
-    table: TableFile
-    types: Mapping[str, ArrowType]
-    n_rows: int
 
 
 class Piece(NamedTuple):
@@ -47,29 +35,26 @@ class Piece(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class ParquetSource:
-    """Parquet files with the same columns.
+class ParquetSource(TableFile):
+    """Parquet files with the same columns, in the order in which they are read."""
 
-    Parameters
-    ----------
-    origin : str
-        What was opened, for messages.
-    files : tuple of SourceFile
-        In the order in which they are read.
-    """
-
-    origin: str
-    files: tuple[SourceFile, ...]
+    files: tuple[ParquetFile, ...]
 
     @property
     def n_rows(self) -> int:
-        """Number of rows in all files, at least 1."""
+        """Number of rows in all files."""
         return sum(file.n_rows for file in self.files)
 
     @property
     def is_own(self) -> bool:
         """Whether `Scenes.to_parquet` wrote all of them."""
-        return all(is_own(file.table) for file in self.files)
+        return all(is_own(file) for file in self.files)
+
+    def load(self, chosen: Sequence[str]) -> ArrowTable:
+        """Return columns of all files."""
+        schema = pa.schema(list(self.common_types(chosen).items()))
+        tables = [file.load(chosen).replace_schema_metadata() for file in self.files]
+        return pa.concat_tables([table.cast(schema) for table in tables])
 
     def common_types(self, columns: Iterable[str]) -> dict[str, ArrowType]:
         """Return the types of columns.
@@ -81,20 +66,23 @@ class ParquetSource:
         """
         chosen = list(dict.fromkeys(columns))
         for file in self.files:
-            check_named(chosen, file.table.names, file.table.origin)
-        return {
-            name: common_type(name, {file.table.origin: file.types[name] for file in self.files})
-            for name in chosen
-        }
+            check_named(chosen, file.names, file.origin)
+        return {name: self._common_type(name) for name in chosen}
+
+    def _common_type(self, name: str) -> ArrowType:
+        """Return the type of a column in all files, except where it has only nulls."""
+        stored = [(file.origin, file.types[name]) for file in self.files]
+        known = [(origin, kind) for origin, kind in stored if not pa.types.is_null(kind)]
+        odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
+        if odd:
+            raise InputError(
+                f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: "
+                "all files of a folder must have the same types"
+            )
+        return known[0][1] if known else pa.null()
 
     def pieces(self, types: Mapping[str, ArrowType], n_rows: int) -> Iterator[Piece]:
-        """Yield the rows of all files in order, at most `n_rows` at a time.
-
-        Parameters
-        ----------
-        types : mapping of str to arrow type
-            The columns, and what to convert them to.
-        n_rows : int
+        """Yield columns, converted to the given types, of all files in order, `n_rows` rows at a time.
 
         Raises
         ------
@@ -122,15 +110,34 @@ def open_source(source: str | PathLike[str]) -> ParquetSource:
     Raises
     ------
     InputError
-        If there are none, one of them is damaged, they have different columns, or no rows at all.
+        If there are none, one of them is damaged, or they have different columns.
     """
-    origin = str(source)
-    files = tuple(map(_opened, _paths(source)))
-    check_same_columns([file.table for file in files])
-    opened = ParquetSource(origin, files)
-    if opened.n_rows == 0:
-        raise InputError(f"{origin} has no rows: at least one scene is needed")
-    return opened
+    files = tuple(map(parquet_at, _paths(source)))
+    for file in files:
+        differing = sorted(set(file.names) ^ set(files[0].names))
+        if differing:
+            raise InputError(
+                f"{file.origin} and {files[0].origin} differ in the column {differing[0]!r}: all files of a "
+                "folder must have the same columns"
+            )
+    return ParquetSource(str(source), files[0].names, {}, files)
+
+
+def open_parquet(path: str | PathLike[str]) -> TableFile:
+    """Open a Parquet file, or a folder of them as written by Spark and others, to be read as a whole.
+
+    Raises
+    ------
+    InputError
+        As for `open_source`, or if the path does not exist, or files of a folder have their own numbering.
+    """
+    source = open_source(checked_path(path))
+    if not Path(path).is_dir():
+        return source.files[0]
+    for file in source.files:
+        if is_own(file):
+            raise InputError(f"{file.origin} was written by Scenes.to_parquet: read such files one at a time")
+    return source
 
 
 def _paths(source: str | PathLike[str]) -> list[Path]:
@@ -145,17 +152,11 @@ def _paths(source: str | PathLike[str]) -> list[Path]:
         raise InputError(f"{path} cannot be read: {error.strerror}; check the path") from error
 
 
-def _opened(path: Path) -> SourceFile:
-    stored = ParquetFile.at(path)
-    types, n_rows = stored.footer()
-    return SourceFile(path, stored, stored.table_file(), types, n_rows)
-
-
-def _tables(file: SourceFile, columns: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
-    if is_own(file.table):
-        tables = _unchanged(file.table, _in_blocks(file.stored.blocks(columns, BLOCK_ROWS), BLOCK_ROWS))
+def _tables(file: ParquetFile, columns: Sequence[str], n_rows: int) -> Iterator[ArrowTable]:
+    if is_own(file):
+        tables = _unchanged(file, _in_blocks(file.blocks(columns, BLOCK_ROWS), BLOCK_ROWS))
     else:
-        tables = file.stored.blocks(columns, n_rows)
+        tables = file.blocks(columns, n_rows)
     # What pyarrow returns ends with every row group.
     return _in_blocks(tables, n_rows)
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from numbers import Real
-from typing import Any, final
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,9 +22,7 @@ _RECORD_KEYS = ("id", "objects", "arguments")
 CATEGORY_HINT = " (for names, declare the attribute with kind='category')"
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class _Record:
+class _Record(NamedTuple):
     """One scene as given."""
 
     scene_id: object

@@ -88,20 +88,15 @@ def sample_scenes(
 
 def _together(batches: Sequence[Scenes]) -> Scenes:
     """Return the scenes of several batches as one batch."""
-    row = np.cumsum([0, *(len(batch.matrix) for batch in batches)])[:-1].tolist()
-    ref = np.cumsum([0, *(len(batch.rows) for batch in batches)])[:-1].tolist()
-    return Scenes(
-        batches[0].schema,
-        np.concatenate([batch.matrix for batch in batches]),
-        np.concatenate([batch.rows + first for batch, first in zip(batches, row, strict=True)]),
-        np.concatenate([batch.starts + first for batch, first in zip(batches, ref, strict=True)]),
-        np.concatenate([batch.counts for batch in batches]),
-        np.concatenate(
-            [
-                np.where(batch.arguments < 0, -1, batch.arguments + first)
-                for batch, first in zip(batches, row, strict=True)
-            ]
-        ),
-        np.concatenate([batch.scene_ids for batch in batches]),
-        np.concatenate([batch.object_ids for batch in batches]),
-    )
+    parts = []
+    n_rows = n_refs = 0
+    for batch in batches:
+        shifted = batch.parts._replace(
+            rows=batch.rows + n_rows,
+            starts=batch.starts + n_refs,
+            arguments=np.where(batch.arguments < 0, -1, batch.arguments + n_rows),
+        )
+        parts.append(shifted[1:])
+        n_rows += len(batch.matrix)
+        n_refs += len(batch.rows)
+    return Scenes(batches[0].schema, *map(np.concatenate, zip(*parts, strict=True)))

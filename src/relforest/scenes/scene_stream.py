@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain, pairwise
 from os import PathLike
 from typing import Any, Final, NamedTuple, TypedDict, Unpack, final, overload
 
@@ -17,9 +18,14 @@ from relforest.scenes.arrays import IntArray, SceneArrays
 from relforest.scenes.arrow import ArrowArray, ArrowType
 from relforest.scenes.batch import Scenes
 from relforest.scenes.columns import open_frame
-from relforest.scenes.frames import AttributeColumns, FrameLayout, arrays_from_frame, stored_values
+from relforest.scenes.frames import (
+    AttributeColumns,
+    FrameLayout,
+    arrays_from_frame,
+    named_columns,
+    stored_values,
+)
 from relforest.scenes.id_columns import id_column
-from relforest.scenes.named_columns import named_columns
 from relforest.scenes.parquet import own_columns, read_own_part
 from relforest.scenes.parquet_source import ParquetSource, Piece, open_source
 from relforest.scenes.schema import Schema
@@ -45,20 +51,11 @@ class SceneColumns(TypedDict, total=False):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneBatch:
-    """Some successive scenes of a source.
-
-    Parameters
-    ----------
-    scenes : Scenes
-    labels : (n_scenes,) array or None
-        As they are stored; None if no column of labels was named.
-    file : int
-        The file in which these scenes begin.
-    """
+    """Some successive scenes of a source."""
 
     scenes: Scenes
-    labels: NDArray[Any] | None
-    file: int
+    labels: NDArray[Any] | None  # (n_scenes,) as they are stored; None if no column of labels was named
+    file: int  # in which these scenes begin
 
 
 class _Runs(NamedTuple):
@@ -68,31 +65,21 @@ class _Runs(NamedTuple):
     starts: IntArray
 
 
+# What follows the last piece begins with another scene.
+_END: Final = _Runs(Piece(-1, 0, pa.table({})), np.zeros(1, dtype=np.int64))
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneStream:
-    """The scenes of a source; made by `open_stream`.
-
-    Parameters
-    ----------
-    source : ParquetSource
-    layout : FrameLayout or None
-        The columns of the scenes; None = those that `Scenes.to_parquet` wrote.
-    names : tuple of str
-        Those columns.
-    key : str
-        The column that distinguishes scenes.
-    schema : Schema
-    label : str or None
-        The column of labels.
-    """
+    """The scenes of a source; made by `open_stream`."""
 
     source: ParquetSource
-    layout: FrameLayout | None
-    names: tuple[str, ...]
-    key: str
+    layout: FrameLayout | None  # the columns of the scenes; None = those that `Scenes.to_parquet` wrote
+    names: tuple[str, ...]  # of those columns
+    key: str  # the column that distinguishes scenes
     schema: Schema
-    label: str | None
+    label: str | None  # the column of labels
 
     def batches(self, batch_size: int = BATCH_ROWS) -> Iterator[SceneBatch]:
         """Yield all scenes, at most about `batch_size` rows at a time; see `iter_scene_batches`."""
@@ -128,8 +115,8 @@ class SceneStream:
     def _whole_scenes(self, names: Sequence[str], n_rows: int) -> Iterator[Piece]:
         """Yield the rows of whole scenes; those of a scene in two files are rows of the first."""
         held: list[Piece] = []  # of a scene that is not complete
-        for (piece, starts), following in _with_next(self._runs(names, n_rows)):
-            is_complete = following is None or 0 in following.starts[:1]
+        for (piece, starts), following in pairwise(chain(self._runs(names, n_rows), [_END])):
+            is_complete = 0 in following.starts[:1]
             end = len(piece.table) if is_complete else int(starts[-1]) if len(starts) else 0
             if end == 0:
                 held.append(piece)
@@ -182,7 +169,7 @@ class SceneStream:
         return ids
 
     def _origin(self, piece: Piece) -> str:
-        return self.source.files[piece.file].table.origin
+        return self.source.files[piece.file].origin
 
     @contextmanager
     def _locating(self, piece: Piece) -> Iterator[None]:
@@ -196,30 +183,25 @@ class SceneStream:
 
 
 def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | None = None) -> SceneStream:
-    """Check what can be checked before rows are read.
-
-    Parameters
-    ----------
-    source : ParquetSource
-    layout : FrameLayout or None
-        None = the columns that `Scenes.to_parquet` wrote.
-    label : str, optional
-        A column of labels, one per scene.
+    """Check what can be checked before rows are read; see `SceneStream` for the parameters.
 
     Raises
     ------
     InputError
-        If a column is missing, ambiguous, or has different types in different files, or categories are open.
+        If there are no rows, a column is missing, ambiguous, or has different types in different files, or
+        categories are open.
     ModelFormatError
         If a file of `Scenes.to_parquet` has invalid metadata, or a schema other than the first one.
     """
+    if source.n_rows == 0:
+        raise InputError(f"{source.origin} has no rows: at least one scene is needed")
     if layout is None:
-        schema, names = own_columns(source.files[0].table)
-        first = source.files[0].table.origin
+        schema, names = own_columns(source.files[0])
         for file in source.files:
-            if own_columns(file.table) != (schema, names):
+            if own_columns(file) != (schema, names):
                 raise InputError(
-                    f"{file.table.origin} and {first} hold scenes of different schemas: read them one by one"
+                    f"{file.origin} and {source.files[0].origin} hold scenes of different schemas: read them "
+                    "one by one"
                 )
         stream = SceneStream(source, None, tuple(names), names[-2], schema, label)
     else:
@@ -315,16 +297,6 @@ def iter_scene_batches(
     if label is None:
         return (batch.scenes for batch in batches)
     return ((batch.scenes, batch.labels) for batch in batches)
-
-
-def _with_next(runs: Iterable[_Runs]) -> Iterator[tuple[_Runs, _Runs | None]]:
-    """Yield each item with the next one, None after the last."""
-    iterator = iter(runs)
-    current = next(iterator, None)
-    while current is not None:
-        following = next(iterator, None)
-        yield current, following
-        current = following
 
 
 def _changes(ids: ArrowArray) -> IntArray:

@@ -25,23 +25,12 @@ __all__ = ["SceneTable", "check_schema", "open_scenes", "read_scenes"]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneTable:
-    """Scenes and the table columns they were read from.
-
-    Parameters
-    ----------
-    scenes : Scenes
-    layout : FrameLayout
-        The columns that the scenes were read from.
-    table : pyarrow.Table
-        The columns that were read.
-    scene_key : str
-        The column that distinguishes scenes, even where two have the same id.
-    """
+    """Scenes and the table columns they were read from."""
 
     scenes: Scenes
     layout: FrameLayout
-    table: ArrowTable
-    scene_key: str
+    table: ArrowTable  # the columns that were read
+    scene_key: str  # the column that distinguishes scenes, even where two have the same id
 
 
 def check_schema(origin: Path, scenes: Scenes | SceneStream, schema: Schema) -> None:
@@ -67,19 +56,10 @@ def read_scenes(
     label: str | None = None,
     dialect: Dialect = ANY_DIALECT,
 ) -> SceneTable:
-    """Read scenes from a CSV or Parquet file.
+    """Read scenes, and perhaps the column of their labels, from a CSV or Parquet file.
 
-    Parameters
-    ----------
-    path : path
-    layout : FrameLayout, optional
-        Not needed for a Parquet file written by `Scenes.to_parquet`, which may have further columns.
-    remedy : str
-        What to do if ``layout`` is needed and missing, for the message.
-    label : str, optional
-        One more column to read, with one value per scene.
-    dialect : Dialect
-        How a CSV file is written.
+    A Parquet file written by `Scenes.to_parquet`, which may have further columns, needs no `layout`; `remedy`
+    says in a message what to do if another one lacks it.
 
     Raises
     ------
@@ -90,13 +70,12 @@ def read_scenes(
     """
     file = open_table(path, dialect)
     labels = [] if label is None else [label]
-    if is_own(file):
-        own = _own_layout(file, layout)
-        if own is not None:
-            # Only the file's own numbering distinguishes scenes with the same id.
-            scene_key = own_columns(file)[1][-2]
-            table = file.read([scene_key, *labels])
-            return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
+    own = _own_layout(file, layout) if is_own(file) else None
+    if own is not None:
+        # Only the file's own numbering distinguishes scenes with the same id.
+        scene_key = own_columns(file)[1][-2]
+        table = file.read([scene_key, *labels])
+        return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
     layout = _required(layout, file, str(path), remedy)
     table = file.read([*layout.columns, *labels])
     if is_own(file):
@@ -106,7 +85,7 @@ def read_scenes(
 
 def open_scenes(source: ParquetSource, layout: FrameLayout | None, *, remedy: str) -> SceneStream:
     """Return the scenes of Parquet files, to be read in batches; see `read_scenes`."""
-    file = source.files[0].table
+    file = source.files[0]
     if source.is_own and _own_layout(file, layout) is not None:
         return open_stream(source, None)
     return open_stream(source, _required(layout, file, source.origin, remedy))

@@ -26,13 +26,7 @@ class SeenIds:
         self._parts: list[IntArray] = []
 
     def add(self, ids: ArrowArray) -> int | None:
-        """Add ids; return the position of one that was there before, or twice among them, or None.
-
-        Parameters
-        ----------
-        ids : (n,) arrow array
-            From `relforest.scenes.id_columns.id_column`, without nulls.
-        """
+        """Add ids, none of them null; return the position of one that was there, or comes twice, or None."""
         numbers = ids.to_numpy() if pa.types.is_integer(ids.type) else _hashes(ids)
         order = np.argsort(numbers, kind="stable")
         added = numbers[order]

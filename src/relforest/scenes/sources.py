@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import bz2
 import codecs
+import gzip
+import io
 import os
 import re
-from collections.abc import Iterable
+import zlib
+from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
 from typing import IO, Any, Final, TypeGuard
@@ -13,7 +17,7 @@ from typing import IO, Any, Final, TypeGuard
 import pyarrow as pa
 
 from relforest.support.errors import InputError
-from relforest.support.files import MAX_INPUT_BYTES, read_input, unpacked
+from relforest.support.files import MAX_INPUT_BYTES, read_input
 
 Source = str | PathLike[str] | IO[Any]
 """A path, or a file that is open for reading."""
@@ -21,8 +25,11 @@ Source = str | PathLike[str] | IO[Any]
 _ENCODINGS: Final = "name one such as utf-8, utf-16, latin-1 or cp1252"
 # `Path` merges the two slashes.
 _ADDRESS: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
-# `unpacked` handles gzip.
-_COMPRESSED: Final = {b"BZh": "bz2", b"\x28\xb5\x2f\xfd": "zstd"}
+_COMPRESSED: Final[dict[bytes, tuple[str, Callable[[io.BytesIO], Any]]]] = {
+    b"\x1f\x8b": ("gzip", lambda packed: gzip.GzipFile(fileobj=packed)),
+    b"BZh": ("bz2", bz2.BZ2File),
+    b"\x28\xb5\x2f\xfd": ("zstd", lambda packed: pa.CompressedInputStream(packed, "zstd")),
+}
 _MARKS: Final = (
     (b"\xef\xbb\xbf", "utf-8"),
     (b"\xff\xfe\x00\x00", "utf-32-le"),
@@ -77,10 +84,28 @@ def read_bytes(source: Source) -> bytes:
     data = _drained(source, origin) if is_stream(source) else _file_content(source)
     if isinstance(data, str):
         return _encoded(data, origin)
-    for magic, codec in _COMPRESSED.items():
-        if data.startswith(magic):
-            return _decompressed(data, codec, origin)
     return unpacked(data, origin)
+
+
+def unpacked(data: bytes, origin: str) -> bytes:
+    """Return the content of a file, unpacked if its first bytes, not its name, show that it is compressed.
+
+    Raises
+    ------
+    InputError
+        If unpacking fails or the result is too large.
+    """
+    codec, opened = next((how for magic, how in _COMPRESSED.items() if data.startswith(magic)), (None, None))
+    if opened is None:
+        return data
+    try:
+        with opened(io.BytesIO(data)) as stream:
+            content: bytes = stream.read(MAX_INPUT_BYTES + 1)
+    except (OSError, EOFError, MemoryError, zlib.error) as error:
+        raise InputError(f"{origin} is damaged: it cannot be unpacked with {codec} ({error})") from error
+    if len(content) > MAX_INPUT_BYTES:
+        raise InputError(f"{origin} unpacks to more than the {MAX_INPUT_BYTES} bytes allowed")
+    return content
 
 
 def read_text(source: Source, encoding: str | None = None) -> str:
@@ -98,13 +123,8 @@ def read_text(source: Source, encoding: str | None = None) -> str:
 def utf8(data: bytes, encoding: str | None, origin: str) -> bytes:
     """Return text as UTF-8 without a byte order mark.
 
-    Parameters
-    ----------
-    data : bytes
-    encoding : str or None
-        None = UTF-8, or UTF-16 or UTF-32 if the first bytes show it. UTF-8 is not checked here.
-    origin : str
-        The file, for messages.
+    Without an `encoding` it is UTF-8, which is not checked here, or UTF-16 or UTF-32 if the first bytes show
+    it.
 
     Raises
     ------
@@ -192,14 +212,3 @@ def _encoded(text: str, origin: str) -> bytes:
         return b"\xef\xbb\xbf" + text.encode()
     except UnicodeEncodeError as error:
         raise InputError(f"{origin} contains {text[error.start]!r}, which is not a character") from error
-
-
-def _decompressed(data: bytes, codec: str, origin: str) -> bytes:
-    try:
-        with pa.CompressedInputStream(pa.BufferReader(data), codec) as stream:
-            content: bytes = stream.read(MAX_INPUT_BYTES + 1)
-    except (OSError, MemoryError) as error:
-        raise InputError(f"{origin} is damaged: it cannot be unpacked with {codec}") from error
-    if len(content) > MAX_INPUT_BYTES:
-        raise InputError(f"{origin} unpacks to more than the {MAX_INPUT_BYTES} bytes allowed")
-    return content

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import final
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from relforest.scenes.arrow import ArrowTable
 from relforest.scenes.columns import check_named
@@ -12,27 +12,17 @@ from relforest.scenes.columns import check_named
 __all__ = ["TableFile"]
 
 
-@final
 @dataclass(frozen=True, slots=True, eq=False)
-class TableFile:
-    """A table with known columns that are read on demand.
+class TableFile(ABC):
+    """A table with known columns that are read on demand."""
 
-    Parameters
-    ----------
-    origin : str
-        The file, for messages.
-    names : tuple of str
-        The columns, in order; unused ones may share a name.
-    load : callable
-        Returns an arrow table of the named columns, each of which occurs once.
-    metadata : mapping of bytes to bytes
-        The metadata of a Parquet file.
-    """
+    origin: str  # the file, for messages
+    names: tuple[str, ...]  # the columns, in order; unused ones may share a name
+    metadata: Mapping[bytes, bytes]  # of a Parquet file
 
-    origin: str
-    names: tuple[str, ...]
-    load: Callable[[Sequence[str]], ArrowTable]
-    metadata: Mapping[bytes, bytes] = field(default_factory=dict)
+    @abstractmethod
+    def load(self, chosen: Sequence[str]) -> ArrowTable:
+        """Return the named columns, each of which occurs once."""
 
     def read(self, names: Sequence[str]) -> ArrowTable:
         """Read some columns.

@@ -9,7 +9,8 @@ from typing import Final
 from relforest.scenes.arrow import ArrowTable
 from relforest.scenes.csv_files import open_csv
 from relforest.scenes.dialect import Dialect
-from relforest.scenes.parquet_files import PARQUET_SUFFIXES, open_parquet, parquet_from_bytes
+from relforest.scenes.parquet_files import PARQUET_SUFFIXES, parquet_from_bytes
+from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.sources import Source, checked_path, is_stream, name_of, read_bytes
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError

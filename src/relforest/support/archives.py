@@ -1,15 +1,11 @@
 """Packing and unpacking ``.npz`` archives: plain arrays in a ZIP file, as NumPy writes them.
 
-NumPy's own reader evaluates the header of an array, and accepts any kind of ZIP file. Here only numbers and
-booleans are read, the header is matched against a pattern, and the size of an array is checked before the
-array is created.
+Only numbers and booleans are read, never pickled objects, and sizes are checked before anything is unpacked.
 """
 
 from __future__ import annotations
 
 import io
-import math
-import re
 import zipfile
 from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import Any, Final
@@ -19,19 +15,13 @@ from numpy.typing import NDArray
 
 from relforest.support.errors import InputError, ModelFormatError
 
+MAX_BYTES: Final = 256 * 2**20
 MAX_MEMBERS: Final = 10_000
 
 # Fixed, so that equal arrays always give equal bytes.
 _ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 _PACKING: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _ENTRY: Final = b"PK\x01\x02"
-_PLAIN: Final = re.compile(r"\|[biu]1|[<>](?:[iu][248]|f[248])")
-_HEADER: Final = re.compile(
-    rb"\x93NUMPY(?:\x01\x00..|[\x02\x03]\x00....)"
-    rb"\{'descr': '([^']{2,9})', 'fortran_order': (False|True), "
-    rb"'shape': \(((?:\d{1,12}, ){0,7}(?:\d{1,12},?)?)\), \} *\n",
-    re.DOTALL,
-)
 
 
 def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
@@ -45,7 +35,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
         for name, array in arrays.items():
-            if not _PLAIN.fullmatch(array.dtype.str):
+            if not _is_plain(array.dtype):
                 held = "Python objects" if array.dtype.hasobject else f"values of type {array.dtype}"
                 raise InputError(
                     f"array {name!r} cannot be written to {origin}: it contains {held} instead of numbers"
@@ -57,34 +47,22 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
 
 
 def unpack_arrays(
-    data: bytes, names: Iterable[str], *, optional: Container[str], max_bytes: int, origin: str
+    data: bytes, names: Iterable[str], *, optional: Container[str], origin: str
 ) -> dict[str, NDArray[Any]]:
-    """Unpack named arrays from an archive, in the order of the names.
-
-    Parameters
-    ----------
-    data : bytes
-        The archive.
-    names : iterable of str
-        The arrays to read; others are ignored.
-    optional : container of str
-        Names that may be missing.
-    max_bytes : int
-        Archives that unpack to more than this are rejected.
-    origin : str
-        Where the data came from, for error messages.
+    """Unpack named arrays from an archive, in the order of the names; see `relforest.support.files.read_npz`.
 
     Raises
     ------
     ModelFormatError
-        If the data are not a valid archive, or an array is missing, damaged, or not of numbers or booleans.
+        If the data are not a valid archive, unpack to more than `MAX_BYTES`, or an array is missing, damaged,
+        or not of numbers or booleans.
     """
     if data.count(_ENTRY) > MAX_MEMBERS:
         raise ModelFormatError(f"{origin} contains more than {MAX_MEMBERS} arrays, which is the limit")
     # On damaged bytes, the ZIP reader and its decompressors raise errors of many types.
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            _check_entries(archive.infolist(), max_bytes, origin)
+            _check_entries(archive.infolist(), origin)
             contents = _contents(archive, names, optional, origin)
     except ModelFormatError:
         raise
@@ -93,10 +71,10 @@ def unpack_arrays(
     return {name: _array(content, f"array {name!r} of {origin}") for name, content in contents.items()}
 
 
-def _check_entries(entries: Sequence[zipfile.ZipInfo], max_bytes: int, origin: str) -> None:
+def _check_entries(entries: Sequence[zipfile.ZipInfo], origin: str) -> None:
     unpacked = sum(entry.file_size for entry in entries)
-    if unpacked > max_bytes:
-        raise ModelFormatError(f"{origin} unpacks to {unpacked} bytes, more than the {max_bytes} allowed")
+    if unpacked > MAX_BYTES:
+        raise ModelFormatError(f"{origin} unpacks to {unpacked} bytes, more than the {MAX_BYTES} allowed")
     if len({entry.filename for entry in entries}) < len(entries):
         raise ModelFormatError(f"{origin} is damaged: two of its arrays have the same name")
     for entry in entries:
@@ -121,20 +99,21 @@ def _contents(
 
 
 def _array(content: bytes, what: str) -> NDArray[Any]:
-    header = _HEADER.match(content)
-    if header is None:
-        raise ModelFormatError(f"{what} is damaged: its header is not that of an array of numbers")
-    kind, fortran_order, lengths = header.groups()
-    if not _PLAIN.fullmatch(kind.decode("latin-1")):
-        raise ModelFormatError(f"{what} has the type {kind!r}: only numbers and booleans can be read")
-    dtype = np.dtype(kind.decode("latin-1"))
-    shape = tuple(int(length) for length in re.findall(rb"\d+", lengths))
-    values = content[header.end() :]
-    # Lengths of 0 count as 1, because NumPy multiplies the other lengths of an empty array too.
-    extent = math.prod(max(length, 1) for length in shape) * dtype.itemsize
-    if len(values) != math.prod(shape) * dtype.itemsize or extent > np.iinfo(np.int64).max:
-        raise ModelFormatError(f"{what} is damaged: {len(values)} bytes do not fill the shape {shape}")
-    if dtype.kind == "b" and values.strip(b"\x00\x01"):
+    stream = io.BytesIO(content)
+    # On damaged headers, NumPy raises errors of many types.
+    try:
+        array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
+    except Exception as error:
+        raise ModelFormatError(f"{what} is damaged, or not of numbers and booleans: {error}") from error
+    if not _is_plain(array.dtype):
+        raise ModelFormatError(f"{what} has the type {array.dtype}: only numbers and booleans can be read")
+    if stream.read(1):
+        raise ModelFormatError(f"{what} is damaged: it has more bytes than fill the shape {array.shape}")
+    if array.dtype.kind == "b" and array.view(np.uint8).max(initial=0) > 1:
         raise ModelFormatError(f"{what} is damaged: it contains booleans other than 0 and 1")
-    flat: NDArray[Any] = np.frombuffer(values, dtype=dtype)
-    return flat.reshape(shape, order="F" if fortran_order == b"True" else "C").copy(order="K")
+    return array
+
+
+def _is_plain(kind: np.dtype[Any]) -> bool:
+    # Larger numbers differ between platforms.
+    return kind.kind in "biuf" and kind.itemsize <= 8

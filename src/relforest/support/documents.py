@@ -46,14 +46,7 @@ def check_extent(data: bytes, origin: str) -> None:
 
 
 def check_values(document: object, origin: str) -> None:
-    """Check every value of a document.
-
-    Parameters
-    ----------
-    document : object
-        Made of dict, list, tuple, str, int, float, bool and None.
-    origin : str
-        Where it came from, for error messages.
+    """Check every value of a document made of dict, list, tuple, str, int, float, bool and None.
 
     Raises
     ------
@@ -92,12 +85,7 @@ def is_clean(text: str) -> bool:
 def well_formed(complaint: str, remedy: str = "") -> Iterator[None]:
     """Turn the errors that a ``with`` block raises on a malformed document into `ModelFormatError`.
 
-    Parameters
-    ----------
-    complaint : str
-        The beginning of the message, such as ``"model.json is damaged"``.
-    remedy : str
-        What to do; the end of the message.
+    Its message begins with the complaint, such as ``"model.json is damaged"``, and ends with the remedy.
     """
     end = f"; {remedy}" if remedy else ""
     try:

@@ -8,15 +8,12 @@ checked before use.
 from __future__ import annotations
 
 import errno
-import gzip
-import io
 import json
 import os
 import re
 import reprlib
 import secrets
 import stat
-import zlib
 from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import blake2b
@@ -26,7 +23,7 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from relforest.support.archives import pack_arrays, unpack_arrays
+from relforest.support.archives import MAX_BYTES, pack_arrays, unpack_arrays
 from relforest.support.documents import (
     MAX_DEPTH,
     check_extent,
@@ -36,7 +33,6 @@ from relforest.support.documents import (
 )
 from relforest.support.errors import InputError, ModelFormatError
 
-MAX_BYTES: Final = 256 * 2**20
 MAX_DOCUMENT_BYTES: Final = 64 * 2**20
 MAX_INPUT_BYTES: Final = 2**31
 
@@ -56,12 +52,7 @@ def content_digest(paths: Iterable[Path]) -> str:
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file atomically: it appears whole or not at all.
 
-    Parameters
-    ----------
-    path : path
-        Where to write. Missing parent folders are created, an existing file is replaced.
-    data : bytes
-        The content.
+    Missing parent folders are created, an existing file is replaced.
 
     Raises
     ------
@@ -157,13 +148,6 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def write_json(path: str | os.PathLike[str], document: Mapping[str, Any]) -> None:
     """Write a JSON file atomically: indented by 1, keys in the order given, newline at the end.
 
-    Parameters
-    ----------
-    path : path
-        Where to write; see `write_bytes`.
-    document : mapping
-        Made of dict, list, tuple, str, int, float, bool and None.
-
     Raises
     ------
     InputError
@@ -182,34 +166,17 @@ def read_json(
     format: str,
     version: int,
     others: Mapping[str, int] = MappingProxyType({}),
-    max_bytes: int = MAX_DOCUMENT_BYTES,
 ) -> dict[str, Any]:
-    """Read one of the library's JSON documents and check it.
+    """Read one of the library's JSON documents and check it; see `check_document`.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    format : str
-        The required value of the key "format".
-    version : int
-        The newest value of the key "version" that the caller can read.
-    others : mapping of str to int
-        Other formats that the caller accepts, and their newest versions.
-    max_bytes : int
-        Larger files are rejected without being read.
-
-    Returns
-    -------
-    dict
-        The document, including "format" and "version"; see `check_document` for what is checked.
+    The caller may accept `others` too: formats and their newest versions.
 
     Raises
     ------
     ModelFormatError
         If the file is missing, not a regular file, too large, not UTF-8, not JSON, or fails `check_document`.
     """
-    data = _read_regular_file(path, max_bytes)
+    data = _read_regular_file(path, MAX_DOCUMENT_BYTES)
     check_extent(data, str(path))
     document = _parse_json(data, f"{path} is not a {format} file")
     found = document.get("format") if isinstance(document, dict) else None
@@ -219,23 +186,9 @@ def read_json(
 
 
 def check_document(document: object, *, format: str, version: int, origin: str) -> dict[str, Any]:
-    """Check the format, version and values of a parsed JSON document.
+    """Return a parsed JSON document after checks of its values and its keys "format" and "version".
 
-    Parameters
-    ----------
-    document : object
-        The output of a JSON parser.
-    format : str
-        The required value of the key "format".
-    version : int
-        The newest value of the key "version" that the caller can read; older ones, from 1, are accepted.
-    origin : str
-        Where the document came from, for error messages.
-
-    Returns
-    -------
-    dict
-        ``document``.
+    The version may be from 1 to `version`, the newest that the caller can read.
 
     Raises
     ------
@@ -269,58 +222,33 @@ def check_document(document: object, *, format: str, version: int, origin: str) 
 def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) -> None:
     """Write named arrays as one ``.npz`` archive, atomically; equal arrays give equal bytes.
 
-    Parameters
-    ----------
-    path : path
-        Where to write; no suffix is added. See `write_bytes`.
-    arrays : mapping of str to ndarray
-        Arrays of booleans, integers or floats.
-
     Raises
     ------
     InputError
-        If an array has another type.
+        If an array is not of booleans, integers or floats.
     """
     write_bytes(path, pack_arrays(arrays, str(path)))
 
 
 def read_npz(
-    path: str | os.PathLike[str],
-    names: Iterable[str],
-    *,
-    optional: Container[str] = (),
-    max_bytes: int = MAX_BYTES,
+    path: str | os.PathLike[str], names: Iterable[str], *, optional: Container[str] = ()
 ) -> dict[str, NDArray[Any]]:
-    """Read arrays from a ``.npz`` archive without ever unpickling.
+    """Read the named arrays of a ``.npz`` archive, in that order, without ever unpickling.
 
-    Parameters
-    ----------
-    path : path
-        The archive.
-    names : iterable of str
-        The arrays to read; others are ignored.
-    optional : container of str
-        Names that may be missing from the archive; they are then missing from the result.
-    max_bytes : int
-        Archives larger than this, packed or unpacked, are rejected.
-
-    Returns
-    -------
-    dict of str to ndarray
-        In the order of ``names``.
+    Those that are `optional` may be missing, and are then missing from the result.
 
     Raises
     ------
     ModelFormatError
-        If the file is missing or not an archive, or an array is missing, damaged, or not of booleans,
-        integers or floats.
+        If the file is missing, not an archive or too large, or an array is missing, damaged, or not of
+        booleans, integers or floats.
     """
-    data = _read_regular_file(path, max_bytes)
-    return unpack_arrays(data, names, optional=optional, max_bytes=max_bytes, origin=str(path))
+    data = _read_regular_file(path, MAX_BYTES)
+    return unpack_arrays(data, names, optional=optional, origin=str(path))
 
 
 def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
-    """Return the content of a user's file, whatever its format; see also `unpacked`.
+    """Return the content of a user's file, whatever its format.
 
     Raises
     ------
@@ -333,46 +261,11 @@ def read_input(path: str | os.PathLike[str], *, max_bytes: int = MAX_INPUT_BYTES
         raise InputError(f"{error}; check the path") from error
 
 
-def unpacked(data: bytes, origin: str, *, max_bytes: int = MAX_INPUT_BYTES) -> bytes:
-    """Return the content of a file, unpacked if it is compressed with gzip.
-
-    Parameters
-    ----------
-    data : bytes
-        The content of the file, which decides whether it is compressed; its name does not.
-    origin : str
-        Where the data came from, for error messages.
-    max_bytes : int
-        Data that unpack to more than this are rejected.
-
-    Raises
-    ------
-    InputError
-        If unpacking fails or the result is too large.
-    """
-    if not data.startswith(b"\x1f\x8b"):
-        return data
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-            content = file.read(max_bytes + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(f"{origin} is damaged: it cannot be unpacked with gzip ({error})") from error
-    if len(content) > max_bytes:
-        raise InputError(f"{origin} unpacks to more than the {max_bytes} bytes allowed")
-    return content
-
-
 def append_line(path: str | os.PathLike[str], text: str) -> None:
     """Append a line to a log; for files where losing the last line does no harm.
 
-    If an interrupted process left an incomplete line, it is terminated first.
-
-    Parameters
-    ----------
-    path : path
-        The log. It is created if it does not exist, as are its parent folders.
-    text : str
-        The line, without its newline.
+    The log and its parent folders are created if they do not exist. If an interrupted process left an
+    incomplete line, it is terminated first.
 
     Raises
     ------

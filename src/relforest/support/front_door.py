@@ -15,19 +15,7 @@ import lazy_loader
 
 
 def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
-    """Return the ``__getattr__``, ``__dir__`` and ``__all__`` of a package.
-
-    Parameters
-    ----------
-    package : str
-        Its ``__name__``.
-    file : str
-        Its ``__file__``, beside which the ``.pyi`` file lies.
-
-    Returns
-    -------
-    tuple of a function, a function and a list of str
-    """
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of the package with this ``__name__`` and file."""
     load, _, names = lazy_loader.attach_stub(package, file)
 
     def get(name: str) -> object:

@@ -34,16 +34,7 @@ def inlined(function: Function) -> Function:
     """Compile ``function`` into each of its callers, for the steps of inner loops.
 
     A call between kernels counts references to every array passed, which takes longer than a short step.
-
-    Parameters
-    ----------
-    function : callable
-        As for `kernel`, called by kernels.
-
-    Returns
-    -------
-    callable
-        A drop-in replacement.
+    Functions are as for `kernel`, and are called by kernels.
     """
     return _compiled(function, inline="always")
 
@@ -53,17 +44,8 @@ def kernel(function: Function) -> Function:
 
     Kernels release the GIL, so threads run them in parallel, and divide like NumPy (x / 0 is inf or NaN, not
     an exception). With ``NUMBA_DISABLE_JIT=1`` the function itself is returned; division by zero then raises
-    or warns and unsigned integers no longer wrap silently, so kernels must not rely on either.
-
-    Parameters
-    ----------
-    function : callable
-        A module-level function in the subset of Python that Numba compiles.
-
-    Returns
-    -------
-    callable
-        A drop-in replacement; type checkers see the type of ``function``.
+    or warns and unsigned integers no longer wrap silently, so kernels must not rely on either. Only functions
+    of modules can be kernels, in the subset of Python that Numba compiles.
     """
     return _compiled(function, inline="never")
 

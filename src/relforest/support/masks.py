@@ -10,19 +10,7 @@ __all__ = ["refuse_masked"]
 
 
 def refuse_masked(values: object, what: str) -> None:
-    """Raise an error if an array, or one inside a nested list, has masked values.
-
-    Parameters
-    ----------
-    values : object
-    what : str
-        Name for error messages, such as "bag 3".
-
-    Raises
-    ------
-    InputError
-        If a value is masked.
-    """
+    """Raise an `InputError` if an array, or one inside a nested list, has masked values."""
     if isinstance(values, np.ma.MaskedArray):
         if np.ma.getmaskarray(values).any():
             raise InputError(f"{what} has masked values: leave them out or fill them in")

@@ -1,4 +1,9 @@
-"""Checks of options; each returns a plain Python value, or raises an error that names the option."""
+"""Checks of options.
+
+Each takes the name of the option, as the user wrote it, and a value of any type. It returns the value as a
+plain Python one, or raises an `InputError` that names the option and what it may be. NumPy's numbers are
+numbers; booleans are not.
+"""
 
 from __future__ import annotations
 
@@ -11,59 +16,17 @@ from relforest.support.errors import InputError
 
 
 def at_least(name: str, value: object, low: int) -> int:
-    """Check that an option is an integer of at least ``low``.
-
-    Parameters
-    ----------
-    name : str
-        Name of the option, for error messages.
-    value : object
-        Any integer, including NumPy's, but not a boolean or float.
-    low : int
-        The smallest value allowed.
-
-    Returns
-    -------
-    int
-        ``value`` as a Python integer.
-
-    Raises
-    ------
-    InputError
-        If ``value`` is not an integer, or is less than ``low``.
-    """
+    """Check that an option is an integer of at least ``low``."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < low:
         raise InputError(f"{name} must be an integer of at least {low}, got {value!r}")
     return int(value)
 
 
 def between(name: str, value: object, low: int, high: int) -> int:
-    """Check that an option is an integer from ``low`` to ``high``, both included.
-
-    Parameters
-    ----------
-    name : str
-        The name of the option, as the user wrote it.
-    value : object
-        Any integer, NumPy's included; booleans and floats are refused.
-    low, high : int
-        The smallest and the largest value allowed.
-
-    Returns
-    -------
-    int
-        ``value`` as a Python integer.
-
-    Raises
-    ------
-    InputError
-        If ``value`` is not an integer, or lies outside the bounds.
-    """
-    if not isinstance(value, bool) and isinstance(value, numbers.Integral):
-        number = int(value)
-        if low <= number <= high:
-            return number
-    raise InputError(f"{name} must be an integer from {low} to {high}, got {value!r}")
+    """Check that an option is an integer from ``low`` to ``high``, both included."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not low <= int(value) <= high:
+        raise InputError(f"{name} must be an integer from {low} to {high}, got {value!r}")
+    return int(value)
 
 
 def in_range(
@@ -75,28 +38,9 @@ def in_range(
     open_low: bool = False,
     open_high: bool = False,
 ) -> float:
-    """Check that an option is a number between two bounds.
+    """Check that an option is a number between two bounds, which `open_low` and `open_high` exclude.
 
-    Parameters
-    ----------
-    name : str
-        Name of the option, for error messages.
-    value : object
-        Any real number, including NumPy's, but not a boolean or NaN.
-    low, high : float
-        The bounds; use ``math.inf`` and ``open_high=True`` for any finite number of at least ``low``.
-    open_low, open_high : bool
-        Whether to exclude the bound itself.
-
-    Returns
-    -------
-    float
-        ``value`` as a Python float.
-
-    Raises
-    ------
-    InputError
-        If ``value`` is not a number, or is out of bounds.
+    With ``math.inf`` and ``open_high=True``, any finite number of at least ``low`` is allowed.
     """
     if not isinstance(value, bool) and isinstance(value, numbers.Real):
         # An integer too large for a float is outside all bounds.
@@ -112,27 +56,7 @@ def in_range(
 
 
 def one_of(name: str, value: object, choices: Sequence[str]) -> str:
-    """Check that an option is one of several words.
-
-    Parameters
-    ----------
-    name : str
-        Name of the option, for error messages.
-    value : object
-        The word to check.
-    choices : sequence of str
-        The allowed words.
-
-    Returns
-    -------
-    str
-        ``value``.
-
-    Raises
-    ------
-    InputError
-        If ``value`` is not in ``choices``.
-    """
+    """Check that an option is one of several words."""
     if isinstance(value, str) and value in choices:
         return value
     known = ", ".join(repr(choice) for choice in choices)

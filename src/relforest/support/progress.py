@@ -22,25 +22,13 @@ _SECONDS_BETWEEN_LINES: Final = 1.0
 @final
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """A moment of long work.
+    """A moment of long work."""
 
-    Parameters
-    ----------
-    name : str
-        What is being done, such as ``growing trees``.
-    done, total : int, optional
-        Steps completed, and their total; None if unknown.
-    within : tuple of str
-        The parts of the work that the stage belongs to, the largest first, such as ``("run 0", "round 2")``.
-    source : int
-        Number of the worker process that reports; 0 is the process itself.
-    """
-
-    name: str
-    done: int | None = None
+    name: str  # what is being done, such as "growing trees"
+    done: int | None = None  # steps completed; None if unknown, like their total
     total: int | None = None
-    within: tuple[str, ...] = ()
-    source: int = 0
+    within: tuple[str, ...] = ()  # the parts of the work it belongs to, such as ("run 0", "round 2")
+    source: int = 0  # number of the worker process that reports; 0 is the process itself
 
     def __str__(self) -> str:
         """Return the stage on one line."""
@@ -59,11 +47,8 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("relforest progress listener
 def listening(listener: Listener) -> Iterator[None]:
     """Pass every report made during the ``with`` block to `listener`, and not to an outer one.
 
-    Parameters
-    ----------
-    listener : callable
-        Called with a `Stage`, often, and from several threads if the work uses threads. It should return
-        quickly and must not raise.
+    It is called often, and from several threads if the work uses threads; it should return quickly and must
+    not raise.
 
     Examples
     --------

@@ -30,10 +30,6 @@ def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
         RandomState is asked for 128 bits, so that successive calls differ; None uses fresh entropy from the
         operating system.
 
-    Returns
-    -------
-    numpy.random.SeedSequence
-
     Raises
     ------
     InputError
@@ -59,19 +55,10 @@ def seed_sequence(random_state: RandomState) -> np.random.SeedSequence:
 
 
 def stream(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:
-    """Return the child of ``seed`` named by ``key``; ``seed`` does not change.
+    """Return the child of ``seed`` named by ``key``, integers from 0 to 2**32 - 1; ``seed`` does not change.
 
-    Parameters
-    ----------
-    seed : numpy.random.SeedSequence
-        The parent.
-    *key : int
-        The name, integers from 0 to 2**32 - 1. ``stream(seed, 3, 1)`` is ``stream(stream(seed, 3), 1)``.
-
-    Returns
-    -------
-    numpy.random.SeedSequence
-        Statistically independent of its parent and of children with other names.
+    It is statistically independent of its parent and of children with other names. ``stream(seed, 3, 1)`` is
+    ``stream(stream(seed, 3), 1)``.
 
     Raises
     ------

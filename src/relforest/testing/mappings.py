@@ -38,36 +38,29 @@ class CheckableMapping(Protocol):
     @property
     def operation(self) -> str:
         """Name of the operation."""
-        ...
 
     @property
     def attribute(self) -> Attribute:
         """The attribute that it maps."""
-        ...
 
     @property
     def rule(self) -> Operation:
         """Arity and symmetry."""
-        ...
 
     @property
     def arity(self) -> int:
         """Number of objects."""
-        ...
 
     @property
     def dim(self) -> int:
         """Dimension of the codomain."""
-        ...
 
     @property
     def space(self) -> str:
         """``"euclidean"`` or ``"circle"``."""
-        ...
 
     def evaluate(self, schema: Schema, matrix: Floats, rows: Rows) -> Floats:
         """Value (n, dim) for each tuple of objects (n, arity), NaN where undefined."""
-        ...
 
 
 @final

@@ -22,21 +22,12 @@ from relforest.support.errors import InputError
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """What a reset or a step returned, and the decision that followed.
-
-    Parameters
-    ----------
-    observation : dict of array
-    info : dict
-    decision : Decision
-    outcome : (reward, terminated, truncated), optional
-        None after a reset.
-    """
+    """What a reset or a step returned, and the decision that followed."""
 
     observation: dict[str, Any]
     info: dict[str, Any]
     decision: Decision
-    outcome: tuple[Any, Any, Any] | None = None
+    outcome: tuple[Any, Any, Any] | None = None  # reward, terminated, truncated; None after a reset
 
     @property
     def is_terminal(self) -> bool:
@@ -57,36 +48,33 @@ def violation(clause: str, message: str) -> AssertionError:
 def walk(env: gymnasium.Env[Any, Any], seed: int, steps: int) -> Iterator[Moment]:
     """Take random available actions, resetting at the end of each episode, then close the environment.
 
-    Parameters
-    ----------
-    env : gymnasium.Env
-        A world; only its first reset is seeded.
-    seed : int
-        Seed of the environment and of the actions.
-    steps : int
-        Number of steps.
-
-    Yields
-    ------
-    Moment
-        One for every reset and every step.
+    Only the first reset is seeded. There is a moment for every reset and every step.
     """
-    world: Any = env.unwrapped
     rng = np.random.default_rng(seed)
-    observation, info = env.reset(seed=seed)
-    moment = Moment(observation, info, world.decision())
+    moment = first_moment(env, seed)
     yield moment
     for _ in range(steps):
         if moment.is_last:
-            observation, info = env.reset()
-            moment = Moment(observation, info, world.decision())
+            moment = first_moment(env)
             yield moment
         position = rng.integers(len(moment.decision))
-        observation, *outcome, info = env.step(moment.decision.indices[position])
-        reward, terminated, truncated = outcome
-        moment = Moment(observation, info, world.decision(), (reward, terminated, truncated))
+        moment = next_moment(env, moment.decision.indices[position])
         yield moment
     env.close()
+
+
+def first_moment(env: gymnasium.Env[Any, Any], seed: int | None = None) -> Moment:
+    """Reset an environment."""
+    world: Any = env.unwrapped
+    observation, info = env.reset(seed=seed)
+    return Moment(observation, info, world.decision())
+
+
+def next_moment(env: gymnasium.Env[Any, Any], action: object) -> Moment:
+    """Take a step."""
+    world: Any = env.unwrapped
+    observation, reward, terminated, truncated, info = env.step(action)
+    return Moment(observation, info, world.decision(), (reward, terminated, truncated))
 
 
 def check_moment(

@@ -15,7 +15,16 @@ from relforest.smdp import ActionType, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, between
 from relforest.support.progress import report
-from relforest.testing.moments import Moment, check_moment, is_finite, same_moment, violation, walk
+from relforest.testing.moments import (
+    Moment,
+    check_moment,
+    first_moment,
+    is_finite,
+    next_moment,
+    same_moment,
+    violation,
+    walk,
+)
 
 MOST_STEPS: Final = 100_000
 """All moments are kept in memory, to be compared with a second run."""
@@ -90,15 +99,11 @@ def _check_kinds(make_env: MakeEnv, seed: int) -> None:
     moments: list[Moment] = []
     for kind in (np.int64, int, np.array):
         env = _make(make_env)
-        world: Any = env.unwrapped
-        env.reset(seed=seed)
-        action = kind(world.decision().indices[0])
+        action = kind(first_moment(env, seed).decision.indices[0])
         try:
-            observation, *outcome, info = env.step(action)
+            moments.append(next_moment(env, action))
         except Exception as error:
             raise violation("action", f"step() must accept the action {action!r}: {error}") from error
-        reward, terminated, truncated = outcome
-        moments.append(Moment(observation, info, world.decision(), (reward, terminated, truncated)))
         env.close()
         if not same_moment(moments[0], moments[-1]):
             raise violation("action", f"{action!r} must have the same effect as the integer {int(action)}")
