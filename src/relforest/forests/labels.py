@@ -9,8 +9,7 @@ import numpy as np
 
 from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
-from relforest.support.masks import refuse_masked
-from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.trees.weights import ClassWeight, class_weights, real_values, scene_weights
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -67,13 +66,7 @@ def real_targets(y: ArrayLike, n: int) -> NDArray[np.float64]:
     InputError
         If their number is wrong, one is missing, NaN or infinite, or all are equal.
     """
-    refuse_masked(y, "y")
-    try:
-        values = np.asarray(y, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"targets must be numbers: {error}") from error
-    if values.shape != (n,):
-        raise InputError(f"got targets of shape {values.shape} for {n} scenes: give one number for each")
+    values = real_values(y, n)
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size:
         raise InputError(f"target {wrong[0]} is {values[wrong[0]]}: targets must be finite numbers")

@@ -14,7 +14,6 @@ from relforest.scenes.batch import checked_scenes
 from relforest.scenes.ids import plain
 from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
-from relforest.support.masks import refuse_masked
 from relforest.support.numerals import probability
 from relforest.support.options import one_of
 from relforest.support.progress import printed_to_stderr
@@ -24,7 +23,7 @@ from relforest.trees.growth import grow_best
 from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
-from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.trees.weights import ClassWeight, class_weights, real_values, scene_weights
 from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
@@ -77,8 +76,20 @@ class Explanation:
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
-    """What the estimators share; subclasses have the options of `TreeSettings` and a few of their own."""
+    """The options of `TreeSettings` and a few more, and the fit."""
+
+    test: Test = "likelihood-ratio"
+    search: SearchName = "screened"
+    alpha: float = 0.05
+    attempts: int = 3
+    permutations: int = 99
+    max_points: int = 100_000
+    covagg: CovAggSettings | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
     def _grow(self, scenes: Scenes, targets: Sequence[Target], weights: NDArray[np.float64] | None) -> None:
         """Learn `tree_` from the scenes with a weight, for the target that explains most of them.
@@ -117,6 +128,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
     """Probabilistic, existential decision tree over scenes.
 
@@ -190,32 +202,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         no: 0.00  (0 of 24 scenes positive)
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        test: Test = "likelihood-ratio",
-        search: SearchName = "screened",
-        alpha: float = 0.05,
-        attempts: int = 3,
-        permutations: int = 99,
-        max_points: int = 100_000,
-        covagg: CovAggSettings | None = None,
-        class_weight: ClassWeight = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.test = test
-        self.search = search
-        self.alpha = alpha
-        self.attempts = attempts
-        self.permutations = permutations
-        self.max_points = max_points
-        self.covagg = covagg
-        self.class_weight = class_weight
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    class_weight: ClassWeight = None
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn a tree.
@@ -269,43 +256,20 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
     """Existential regression tree over scenes: each leaf predicts the mean of its training scenes.
 
     Of all leaves that a scene reaches, one end decides: the one with the highest mean, as the most probable
     one does in a classifier, or the one with the lowest. What exists in a scene raises the prediction in the
-    first case and lowers it in the second.
+    first case and lowers it in the second. Other parameters are those of `SMRFTreeClassifier`, without
+    ``class_weight``.
 
     Parameters
     ----------
     decides : {"highest", "lowest", "either"}, default "either"
         Which leaf decides. With "either", a tree of each kind is grown, each at its share of `alpha`, and the
         one under which the targets are more likely is kept.
-    test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
-        Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
-        questions on pure noise more often than `alpha`; the permutation test keeps its level.
-    search : {"screened", "exhaustive"}, default "screened"
-        How the best question is found. The exhaustive search is that of the source: all possible questions
-        on all scenes. The screened search tries them on a few scenes, then the best on all; it is about ten
-        times faster.
-    alpha : float, default 0.05
-        Significance level.
-    attempts : int, default 3
-        Number of attempts at each possible question (in the screened search at the best of them).
-    permutations : int, default 99
-        Number of permutations in the permutation test.
-    max_points : int, default 100_000
-        Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
-        and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
-    covagg : CovAggSettings or None, default None
-        How volumes are learned, and their shape; by default as published. See
-        `relforest.volumes.CovAggSettings`.
-    random_state : int, Generator, RandomState, SeedSequence or None, default None
-        Seed; an integer makes `fit` reproducible.
-    n_jobs : int, default 1
-        Number of threads for prediction; -1 for all cores. Does not affect the result.
-    verbose : bool, default False
-        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -335,32 +299,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         no: mean 4.98  (deviation 0.0871, 21 scenes)
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        decides: Decides = "either",
-        test: Test = "likelihood-ratio",
-        search: SearchName = "screened",
-        alpha: float = 0.05,
-        attempts: int = 3,
-        permutations: int = 99,
-        max_points: int = 100_000,
-        covagg: CovAggSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.decides = decides
-        self.test = test
-        self.search = search
-        self.alpha = alpha
-        self.attempts = attempts
-        self.permutations = permutations
-        self.max_points = max_points
-        self.covagg = covagg
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    decides: Decides = "either"
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn a tree.
@@ -379,7 +318,8 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
             If targets or weights do not match the scenes, a target is not finite or all are equal, a weight
             is negative or not finite or all are zero, or a parameter is out of range.
         """
-        values = _numbers(y, len(checked_scenes(scenes)))
+        n = len(checked_scenes(scenes))
+        values = real_values(y, n, otherwise="use SMRFTreeClassifier for classes")
         weights = scene_weights(sample_weight, len(scenes))
         kept = slice(None) if weights is None else weights > 0
         one_of("decides", self.decides, get_args(Decides))
@@ -415,17 +355,3 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
             Explanation(plain(scenes.scene_ids[i]), node.prediction, int(leaf), witnesses, densities, said)
         )
     return explanations
-
-
-def _numbers(y: ArrayLike, n_expected: int) -> NDArray[np.float64]:
-    """Return real targets."""
-    refuse_masked(y, "y")
-    try:
-        values = np.asarray(y, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError("targets must be numbers: use SMRFTreeClassifier for classes") from error
-    if values.shape != (n_expected,):
-        raise InputError(
-            f"got targets of shape {values.shape} for {n_expected} scenes: give one number for each"
-        )
-    return values
