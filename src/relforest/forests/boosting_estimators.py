@@ -7,16 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
-from sklearn.base import ClassifierMixin, RegressorMixin
-from sklearn.utils.validation import check_is_fitted
 
-from relforest.forests.base import SceneEstimator, growth_settings
+from relforest.forests.base import SceneClassifier, SceneEstimator, SceneRegressor, growth_settings
 from relforest.forests.boosting import Boosted, BoostingSettings, boost
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.settings import GrowthSettings
-from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
@@ -25,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
-    from relforest.trees.weights import ClassWeight
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
@@ -59,7 +55,7 @@ class _Boosting(SceneEstimator, ABC):
 
 @final
 @dataclass(kw_only=True, eq=False, repr=False)
-class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFBoostingClassifier(SceneClassifier, _Boosting):
     """Sum of small trees of conditions, fitted to the gradient of the log likelihood.
 
     A condition says that some object exists (or two, or at least k) of which up to three statements are true:
@@ -117,8 +113,6 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
     'distance(location) of C, D'
     """
 
-    class_weight: ClassWeight = None
-
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the trees.
 
@@ -143,7 +137,7 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
             else Softmax(targets.numbers, len(targets.classes), targets.weights)
         )
         self._boost(scenes, loss)
-        self.classes_ = targets.classes
+        self.classes_: NDArray[Any] = targets.classes
         return self
 
     def decision_function(self, scenes: Scenes) -> NDArray[np.float64]:
@@ -151,22 +145,9 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
         scores = self._scores(scenes)
         return scores[:, 0] if scores.shape[1] == 1 else scores
 
-    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, (n_scenes, n_classes)."""
-        return logistic_shares(self._scores(scenes))
-
-    def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, (n_scenes,)."""
-        probabilities = self.predict_proba(scenes)
-        predicted: NDArray[Any] = self.classes_[probabilities.argmax(axis=1)]
-        return predicted
-
-    def _scored(self) -> str:
-        return f"class {self.classes_[-1]}"
-
 
 @final
-class SMRFBoostingRegressor(RegressorMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFBoostingRegressor(SceneRegressor, _Boosting):
     """Sum of small trees of conditions, fitted to the residuals of real targets.
 
     The parameters are those of `SMRFBoostingClassifier`, without ``class_weight``.
@@ -204,11 +185,3 @@ class SMRFBoostingRegressor(RegressorMixin, _Boosting):  # type: ignore[misc]  #
         shift, scale = float(values.mean()), float(values.std())
         self._boost(scenes, SquaredError((values - shift) / scale, weights), scale, shift)
         return self
-
-    def predict(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Predicted target of each scene, (n_scenes,)."""
-        check_is_fitted(self)
-        return self._scores(scenes)[:, 0]
-
-    def _scored(self) -> str:
-        return "the target"
