@@ -50,7 +50,6 @@ class Arrivals:
     places: NDArray[np.int64]
     mappings: tuple[Mapping, ...]
     sequences: Sequences
-    _extended: list[Sequences] = field(init=False, default_factory=list)
 
     def expansions(self) -> Iterator[Expansion]:
         """Yield all expansions of the leaf, fewest new variables first."""
@@ -73,14 +72,12 @@ class Arrivals:
         n = n_extensions(sequences.scene, sequences.objects, self.scenes.counts, self.places, n_new)
         return sequences.ratio * n
 
-    def extended(self, n_new: int, most: int) -> Sequences | None:
-        """Return the sequences with so many more variables; None if there are more than `most`."""
-        known = self._extended or [self.sequences]
-        # Step by step: there may be no expansion with fewer new variables, if no mapping takes so few.
-        while len(known) <= n_new and not self._too_many(known[-1], most):
+    def extended(self, n_new: int, most: int) -> list[Sequences]:
+        """Return the sequences with 0 to `n_new` more variables, as far as there are not more than `most`."""
+        known = [self.sequences]
+        while len(known) <= n_new and replace(self, sequences=known[-1]).size(1) <= most:
             known.append(known[-1].extended(self.scenes.counts, self.places))
-        self._extended[:] = known
-        return known[n_new] if n_new < len(known) else None
+        return known
 
     def drawn(self, n_new: int, most: int, rng: np.random.Generator) -> list[Sequences]:
         """Return the sequences with 0 to `n_new` more variables, samples where there are more than `most`."""
@@ -88,12 +85,6 @@ class Arrivals:
         while len(drawn) <= n_new:
             drawn.append(drawn[-1].drawn(self.scenes.counts, self.places, most, rng))
         return drawn
-
-    def _too_many(self, sequences: Sequences, most: int) -> bool:
-        if sequences.depth == MAX_VARIABLES:
-            return True
-        n = n_extensions(sequences.scene, sequences.objects, self.scenes.counts, self.places, 1)
-        return n > most
 
 
 @final

@@ -61,13 +61,14 @@ class Exhaustive:
         """Map the points of all questions."""
         questions: list[PreparedQuestion] = []
         n_left_out = 0
+        most = max((expansion.n_new for expansion in arrivals.expansions()), default=0)
+        sequences = arrivals.extended(most, settings.max_points)
         for expansion in arrivals.expansions():
             report("expansions prepared", len(questions))
-            sequences = arrivals.extended(expansion.n_new, settings.max_points)
-            if sequences is None:
+            if expansion.n_new >= len(sequences):
                 n_left_out += 1
                 continue
-            question = PreparedQuestion(arrivals.scenes, expansion, sequences)
+            question = PreparedQuestion(arrivals.scenes, expansion, sequences[expansion.n_new])
             if len(question.bags.points):
                 questions.append(question)
         return cls(questions, settings, n_left_out)
