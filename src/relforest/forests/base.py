@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
@@ -32,7 +32,10 @@ if TYPE_CHECKING:
     from relforest.trees.weights import ClassWeight
 
 
-def growth_settings(given: object, default: GrowthSettings) -> GrowthSettings:
+_Settings = TypeVar("_Settings")
+
+
+def settings_or(name: str, given: object, default: _Settings) -> _Settings:
     """Return the settings of an estimator: those given, or the default.
 
     Raises
@@ -42,8 +45,8 @@ def growth_settings(given: object, default: GrowthSettings) -> GrowthSettings:
     """
     if given is None:
         return default
-    if not isinstance(given, GrowthSettings):
-        raise InputError(f"growth must be GrowthSettings or None, got {given!r:.100}")
+    if not isinstance(given, type(default)):
+        raise InputError(f"{name} must be {type(default).__name__} or None, got {given!r:.100}")
     return given
 
 

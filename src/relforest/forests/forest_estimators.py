@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Self, Unpack, final
 
 import numpy as np
 
-from relforest.forests.base import SceneClassifier, SceneEstimator, SceneRegressor, growth_settings
+from relforest.forests.base import SceneClassifier, SceneEstimator, SceneRegressor, settings_or
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.forest import Forest, ForestSettings, grow_forest, grow_forest_of_samples
 from relforest.forests.labels import class_targets, real_targets, weights_of
@@ -123,7 +123,7 @@ class _Forest(SceneEstimator, ABC):
     def _settings(self) -> ForestSettings:
         growth = self.growth
         if not isinstance(growth, TreeSettings):
-            growth = growth_settings(growth, FOREST_GROWTH)
+            growth = settings_or("growth", growth, FOREST_GROWTH)
         return ForestSettings(self.n_trees, self.max_samples, growth, self.negated)
 
     @abstractmethod

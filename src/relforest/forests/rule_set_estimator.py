@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import logit, xlogy
 from sklearn.utils.validation import check_is_fitted
 
-from relforest.forests.base import SceneClassifier, growth_settings
+from relforest.forests.base import SceneClassifier, settings_or
 from relforest.forests.boosting import Boosted, BoostingSettings, boost
 from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
@@ -138,11 +138,8 @@ class SMRFRuleSetClassifier(SceneClassifier):
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings, RuleSetSettings]:
         how = BoostingSettings(self.n_trees, _LEARNING_RATE)
-        growth = growth_settings(self.growth, RULE_GROWTH)
-        chosen = RuleSetSettings() if self.rules is None else self.rules
-        if not isinstance(chosen, RuleSetSettings):
-            raise InputError(f"rules must be RuleSetSettings or None, got {chosen!r:.100}")
-        return how, growth, chosen
+        growth = settings_or("growth", self.growth, RULE_GROWTH)
+        return how, growth, settings_or("rules", self.rules, RuleSetSettings())
 
 
 def _with_boosted(sets: Ensemble, boosted: Boosted, learning_rate: float) -> Ensemble:

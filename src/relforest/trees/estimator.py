@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from abc import ABC
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Self, final, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, final, get_args
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
@@ -27,8 +27,6 @@ from relforest.trees.weights import ClassWeight, class_weights, real_values, sce
 from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
@@ -76,6 +74,14 @@ class Explanation:
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
+class _Wanted(NamedTuple):
+    """The targets of which the one that explains most is kept, without the scenes of weight 0."""
+
+    targets: list[Target]
+    weights: NDArray[np.float64] | None  # of all scenes
+    classes: NDArray[Any] | None = None
+
+
 @dataclass(kw_only=True, eq=False, repr=False)
 class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
     """The options of `TreeSettings` and a few more, and the fit."""
@@ -91,11 +97,26 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
     n_jobs: int = 1
     verbose: bool = False
 
-    def _grow(self, scenes: Scenes, targets: Sequence[Target], weights: NDArray[np.float64] | None) -> None:
-        """Learn `tree_` from the scenes with a weight, for the target that explains most of them.
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn a tree.
 
-        Each target stands for the same facts.
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            Aligned with ``scenes.scene_ids``: labels that are whole numbers, booleans or strings; for a
+            regressor, finite numbers.
+        sample_weight : array-like (n_scenes,), optional
+            Weights, of which only the proportions count; scenes of weight 0 are left out.
+
+        Raises
+        ------
+        InputError
+            If targets or weights do not match the scenes, labels are not of at least two classes, a number is
+            not finite or all are equal, a weight is negative or not finite or all are zero, or a parameter is
+            out of range.
         """
+        wanted = self._wanted(y, len(checked_scenes(scenes)), sample_weight)
         if not isinstance(self.covagg, CovAggSettings | None):
             raise InputError(f"covagg must be CovAggSettings(...) or None, got {self.covagg!r}")
         settings = TreeSettings(
@@ -108,13 +129,20 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             covagg=self.covagg or CovAggSettings(),
         )
         rng = generator(seed_sequence(self.random_state))
-        kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
+        kept = scenes if wanted.weights is None else scenes.take(np.flatnonzero(wanted.weights > 0))
         with printed_to_stderr(self.verbose):
-            growth = grow_best(kept, targets, rng=rng, settings=settings)
+            growth = grow_best(kept, wanted.targets, rng=rng, settings=settings)
         self.tree_: Tree = growth.tree
         self.steps_: tuple[Step, ...] = growth.steps
         self.n_left_out_: int = growth.n_left_out
         self.n_sampled_: int = growth.n_sampled
+        if wanted.classes is not None:
+            self.classes_: NDArray[Any] = wanted.classes
+        return self
+
+    @abstractmethod
+    def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Wanted:
+        """Check what is to be learned."""
 
     def apply(self, scenes: Scenes) -> NDArray[np.int64]:
         """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
@@ -204,37 +232,17 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
 
     class_weight: ClassWeight = None
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn a tree.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : array-like (n_scenes,)
-            Whole numbers, booleans or strings, aligned with ``scenes.scene_ids``.
-        sample_weight : array-like (n_scenes,), optional
-            Weights, of which only the proportions count; scenes of weight 0 are left out.
-
-        Raises
-        ------
-        InputError
-            If the labels or weights do not match the scenes, labels are not of at least two classes, a
-            weight is negative or not finite or all are zero, or a parameter is out of range.
-        """
-        classes, codes = class_labels(y, len(checked_scenes(scenes)), what="scenes")
-        weights = scene_weights(sample_weight, len(scenes))
+    def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Wanted:
+        classes, codes = class_labels(y, n, what="scenes")
+        weights = scene_weights(sample_weight, n)
         by_class = class_weights(self.class_weight, classes, codes, weights)
         if by_class is not None:
-            weights = scene_weights(by_class[codes] * (1.0 if weights is None else weights), len(scenes))
+            weights = scene_weights(by_class[codes] * (1.0 if weights is None else weights), n)
         kept = slice(None) if weights is None else weights > 0
         positive = None if weights is None else weights[kept]
         if len(classes) == 2:
-            target = Target.binary(codes[kept] == 1, positive)
-        else:
-            target = Target.classes(codes[kept], len(classes), positive)
-        self._grow(scenes, [target], weights)
-        self.classes_: NDArray[Any] = classes
-        return self
+            return _Wanted([Target.binary(codes[kept] == 1, positive)], weights, classes)
+        return _Wanted([Target.classes(codes[kept], len(classes), positive)], weights, classes)
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, shape (n_scenes, n_classes)."""
@@ -301,26 +309,9 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
 
     decides: Decides = "either"
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn a tree.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : array-like (n_scenes,)
-            Finite numbers, aligned with ``scenes.scene_ids``.
-        sample_weight : array-like (n_scenes,), optional
-            Weights, of which only the proportions count; scenes of weight 0 are left out.
-
-        Raises
-        ------
-        InputError
-            If targets or weights do not match the scenes, a target is not finite or all are equal, a weight
-            is negative or not finite or all are zero, or a parameter is out of range.
-        """
-        n = len(checked_scenes(scenes))
+    def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Wanted:
         values = real_values(y, n, otherwise="use SMRFTreeClassifier for classes")
-        weights = scene_weights(sample_weight, len(scenes))
+        weights = scene_weights(sample_weight, n)
         kept = slice(None) if weights is None else weights > 0
         one_of("decides", self.decides, get_args(Decides))
         targets = [
@@ -328,8 +319,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
             for lowest in (False, True)
             if self.decides in {"either", "lowest" if lowest else "highest"}
         ]
-        self._grow(scenes, targets, weights)
-        return self
+        return _Wanted(targets, weights)
 
     def predict(self, scenes: Scenes) -> NDArray[np.float64]:
         """Mean of the deciding leaf of each scene, shape (n_scenes,)."""
