@@ -296,7 +296,7 @@ def test_leaves(made: Leaf, expected: str) -> None:
 def test_arguments_are_not_introduced() -> None:
     def asked_after(n_new: int) -> tuple[int, ...]:
         asked = Question(Mapping("identity", LOCATION), (0,), FLAT, n_new + 1, n_new + 2, n_new + 3)
-        chain = (*(Instantiation(i + 1) for i in range(n_new)), asked, *(leaf(0.5),) * 3)
+        chain: tuple[Node, ...] = (*(Instantiation(i + 1) for i in range(n_new)), asked, *(leaf(0.5),) * 3)
         return introduced(plane("passer", "receiver"), chain)[n_new]
 
     assert asked_after(2) == ()
