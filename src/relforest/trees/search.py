@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
 
@@ -83,27 +83,13 @@ class Exhaustive:
         return None if best is None else best.among(len(self.questions) * self.settings.attempts)
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class Round:
-    """One round of a screening.
+class Round(NamedTuple):
+    """One round of a screening."""
 
-    Parameters
-    ----------
-    n_scenes : int
-        Scenes drawn.
-    max_points : int
-        Most instantiation sequences of the scenes drawn that an expansion looks at.
-    n_kept : int
-        Questions that stay.
-    covagg : CovAggSettings
-        Parameters of covariant aggregation on the scenes drawn; shape and learner are those of the tree.
-    """
-
-    n_scenes: int
-    max_points: int
-    n_kept: int
-    covagg: CovAggSettings
+    n_scenes: int  # drawn
+    max_points: int  # most instantiation sequences of the scenes drawn that an expansion looks at
+    n_kept: int  # questions that stay
+    covagg: CovAggSettings  # on the scenes drawn; shape and learner are those of the tree
 
 
 ROUNDS: Final = (

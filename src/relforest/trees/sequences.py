@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from relforest.scenes.arrays import gather
 from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
@@ -116,8 +117,12 @@ class Sequences:
 
 def argument_places(scenes: Scenes) -> NDArray[np.int64]:
     """Return the position of every action argument in its scene, (n_scenes, k); -1 = none."""
-    places = np.full(scenes.arguments.shape, -1, dtype=np.int64)
-    _find_places((scenes.rows, scenes.starts, scenes.counts), scenes.arguments, places)
+    counts, places = scenes.counts, np.full(scenes.arguments.shape, -1, dtype=np.int64)
+    scene = np.repeat(np.arange(len(counts)), counts)
+    place = np.arange(len(scene)) - (np.cumsum(counts) - counts)[scene]
+    objects = gather(scenes.rows, scenes.starts, counts)
+    found, argument = np.nonzero(objects[:, None] == scenes.arguments[scene])
+    places[scene[found], argument] = place[found]
     return places
 
 
@@ -222,17 +227,3 @@ def _free_object(bound: NDArray[np.int64], number: int) -> int:
             is_free &= other != place
         number -= is_free
     return place
-
-
-@kernel
-def _find_places(
-    scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
-    arguments: NDArray[np.int64],
-    places: NDArray[np.int64],
-) -> None:
-    rows, starts, counts = scenes
-    for i in range(len(starts)):
-        for j in range(arguments.shape[1]):
-            for place in range(counts[i]):
-                if rows[starts[i] + place] == arguments[i, j]:
-                    places[i, j] = place
