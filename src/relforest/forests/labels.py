@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,24 +14,12 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ClassTargets:
-    """The class of each scene.
+class ClassTargets(NamedTuple):
+    """The class of each scene."""
 
-    Parameters
-    ----------
-    classes : ndarray (n_classes,)
-        In sorted order.
-    numbers : int64 ndarray (n,)
-        Place of the label of each scene in `classes`.
-    weights : ndarray (n,)
-        With a mean of 1.
-    """
-
-    classes: NDArray[Any]
-    numbers: NDArray[np.int64]
-    weights: NDArray[np.float64]
+    classes: NDArray[Any]  # (n_classes,) in sorted order
+    numbers: NDArray[np.int64]  # (n,) place of the label of each scene among them
+    weights: NDArray[np.float64]  # (n,) with a mean of 1
 
 
 def class_targets(

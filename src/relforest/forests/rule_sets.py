@@ -67,27 +67,13 @@ class RuleSetSettings:
         at_least("n_chains", self.n_chains, 1)
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class RuleSet:
-    """A set of rules with its weight among all sets.
+class RuleSet(NamedTuple):
+    """A set of rules with its weight among all sets."""
 
-    Parameters
-    ----------
-    rules : tuple of int
-        Numbers of its rules in the pool, ascending.
-    describes : int
-        The class that it describes: scenes of this class satisfy a rule.
-    cost : float
-        Its description length, in nats.
-    weight : float
-        The weights of all sets add up to 1.
-    """
-
-    rules: tuple[int, ...]
-    describes: int
-    cost: float
-    weight: float
+    rules: tuple[int, ...]  # their numbers in the pool, ascending
+    describes: int  # the class whose scenes satisfy a rule
+    cost: float  # description length, in nats
+    weight: float  # those of all sets add up to 1
 
 
 class Pool(NamedTuple):

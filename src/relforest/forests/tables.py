@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
 
@@ -40,25 +40,13 @@ if TYPE_CHECKING:
 _SIGNED: Final = frozenset({"difference", "reframe", "scaled_reframe"})
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ConditionTable:
-    """All choices of `n_free` objects in a batch of scenes, with the values of all columns.
-
-    Parameters
-    ----------
-    n_free : int
-    columns : tuple of Column
-    table : Table
-        The same as arrays, for kernels.
-    n_sampled : int
-        Scenes of which only a sample of the choices is kept.
-    """
+class ConditionTable(NamedTuple):
+    """All choices of `n_free` objects in a batch of scenes, with the values of all columns."""
 
     n_free: int
     columns: tuple[Column, ...]
-    table: Table
-    n_sampled: int
+    table: Table  # the same as arrays, for kernels
+    n_sampled: int  # scenes of which only a sample of the choices is kept
 
 
 @final
@@ -104,14 +92,7 @@ def condition_tables(
 ) -> tuple[ConditionTable, ...]:
     """Return the tables for 0 to `max_free` free variables that have columns and choices.
 
-    Parameters
-    ----------
-    scenes : Scenes
-    max_free : int
-    most : int
-        Most choices per scene on average; see `bindings`.
-    rng : Generator
-        For sampling choices.
+    There are at most `most` choices per scene on average, see `bindings`.
     """
     tables = []
     for n_free in range(max_free + 1):
