@@ -199,9 +199,8 @@ def _in_frame(limits: _Range, component: int, others: list[str], *, scaled: bool
         far = both if limits.absolute else _signed(limits, "in front of", "behind")
         return f"is {far} {start}, facing {end}"
     if limits.absolute:
-        far = f"within {number(limits.high)} of"
-        if math.isinf(limits.high):
-            far = f"at least {number(limits.low)} from"
+        is_beyond = math.isinf(limits.high)
+        far = f"at least {number(limits.low)} from" if is_beyond else f"within {number(limits.high)} of"
     else:
         far = _signed(limits, "left of", "right of")
     return f"is {far} the line from {start} to {end}{' (in its lengths)' if scaled else ''}"
