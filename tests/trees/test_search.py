@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -31,7 +33,7 @@ def arrivals_at_root(scenes: Scenes) -> Arrivals:
 
 def at_root(scenes: Scenes, max_points: int = 10**6) -> tuple[list[PreparedQuestion], int]:
     settings = TreeSettings(max_points=max_points)
-    leaf = Exhaustive().at(arrivals_at_root(scenes), settings, np.random.default_rng(0))
+    leaf = Exhaustive.at(arrivals_at_root(scenes), settings, np.random.default_rng(0))
     return leaf.questions, leaf.n_left_out
 
 
@@ -171,8 +173,8 @@ def test_few_scenes_suffice_to_find_the_best_question() -> None:
     root = OpenLeaf(
         Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
     )
-    plan = Screened((Round(10, 3_000, 1, LITTLE),))
-    found = plan.at(arrivals_at_root(scenes), TreeSettings(), rng).best(Target.binary(labels), root, rng)
+    search = Screened.at(arrivals_at_root(scenes), TreeSettings(), rng)
+    found = replace(search, rounds=(Round(10, 3_000, 1, LITTLE),)).best(Target.binary(labels), root, rng)
 
     assert found is not None
     assert found.question.expansion.mapping.name == "distance(location)"
@@ -181,14 +183,14 @@ def test_few_scenes_suffice_to_find_the_best_question() -> None:
     assert found.n_tried == 2 * 3
 
 
-def promising(scenes: Scenes, labels: Booleans, presence: Booleans, plan: Screened) -> list[Expansion]:
+def promising(scenes: Scenes, labels: Booleans, presence: Booleans, *rounds: Round) -> list[Expansion]:
     """Which questions stay at the last leaf of a tree whose leaves have these scenes."""
     target = Target.binary(labels)
     stub = Tree.stub(scenes.schema, Leaf(0.0, 0, 0))
     at = OpenLeaf(stub, len(presence) - 1, presence, target.assign(presence))
     rng = np.random.default_rng(0)
-    leaf = plan.at(arrivals_at_root(scenes), TreeSettings(), rng)
-    return leaf.screened(target, at, rng)[0]
+    search = Screened.at(arrivals_at_root(scenes), TreeSettings(), rng)
+    return replace(search, rounds=rounds).screened(target, at, rng)[0]
 
 
 def test_what_another_leaf_explains_is_not_screened_for() -> None:
@@ -207,10 +209,10 @@ def test_what_another_leaf_explains_is_not_screened_for() -> None:
     own = np.arange(n)
     scenes = Scenes(schema, matrix, own, own, np.ones(n, dtype=np.int64), np.empty((n, 0), dtype=np.int64))
     everywhere = np.ones(n, dtype=np.bool_)
-    plan = Screened((Round(n, 100, 1, LITTLE),))
+    only = Round(n, 100, 1, LITTLE)
 
     def best(presence: Booleans) -> list[str]:
-        return [expansion.mapping.name for expansion in promising(scenes, labels, presence, plan)]
+        return [expansion.mapping.name for expansion in promising(scenes, labels, presence, only)]
 
     assert best(everywhere[np.newaxis]) == ["identity(weight)"]
     assert best(np.stack([is_heavy, everywhere])) == ["identity(place)"]
@@ -223,8 +225,8 @@ def test_rounds_keep_fewer_and_fewer() -> None:
     labels, presence = np.arange(n) % 2 == 0, np.ones((1, n), dtype=np.bool_)
     # Twelve questions. A first round that would keep all of them is left out.
     for first, last, n_kept in [(5, 2, 2), (12, 3, 3), (1, 3, 1)]:
-        plan = Screened((Round(8, 100, first, LITTLE), Round(12, 100, last, LITTLE)))
-        assert len(promising(scenes, labels, presence, plan)) == n_kept
+        rounds = (Round(8, 100, first, LITTLE), Round(12, 100, last, LITTLE))
+        assert len(promising(scenes, labels, presence, *rounds)) == n_kept
 
 
 def test_questions_with_the_same_points_are_screened_once() -> None:
@@ -238,7 +240,7 @@ def test_questions_with_the_same_points_are_screened_once() -> None:
     target = Target.binary(labels)
     at = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, target.assign(presence))
     rng = np.random.default_rng(0)
-    leaf = Screened().at(arrivals, TreeSettings(), rng)
+    leaf = Screened.at(arrivals, TreeSettings(), rng)
     kept, n_questions = leaf.screened(target, at, rng)
 
     assert [expansion.variables for expansion in kept] == [(0,)]
@@ -256,14 +258,14 @@ def test_too_many_sequences_are_sampled_or_left_out() -> None:
     # 10 scenes of 30 pairs.
     for max_points, counts in [(300, [0, 0]), (299, [1, 0]), (3, [1, 0]), (2, [0, 1])]:
         settings = TreeSettings(max_points=max_points)
-        leaf = Screened().at(arrivals_at_root(scenes), settings, rng)
+        leaf = Screened.at(arrivals_at_root(scenes), settings, rng)
         assert [leaf.n_sampled, leaf.n_left_out] == counts
 
     presence = np.ones((1, n), dtype=np.bool_)
     root = OpenLeaf(
         Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, Target.binary(labels).assign(presence)
     )
-    leaf = Screened().at(arrivals_at_root(scenes), TreeSettings(max_points=200), rng)
+    leaf = Screened.at(arrivals_at_root(scenes), TreeSettings(max_points=200), rng)
     found = leaf.best(Target.binary(labels), root, rng)
     assert found is not None
     # The sample has 20 of 30 pairs of each scene, but who arrives where is exact.

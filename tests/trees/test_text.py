@@ -12,7 +12,7 @@ from relforest.mappings import Mapping
 from relforest.scenes import Attribute, Schema
 from relforest.trees import Instantiation, Leaf, Node, Question, Tree
 from relforest.trees.bounds import Bounds
-from relforest.trees.text import describe, fresh_variables, one_sided_hint, sentence
+from relforest.trees.text import describe, introduced, one_sided_hint, sentence
 from relforest.volumes import Arc, Ellipsoid, Slab, Volume
 from small_trees import ball, leaf, plane
 
@@ -293,13 +293,14 @@ def test_leaves(made: Leaf, expected: str) -> None:
     assert made.summary == expected
 
 
-def test_arguments_are_not_fresh() -> None:
-    schema = plane("passer", "receiver")
+def test_arguments_are_not_introduced() -> None:
+    def asked_after(n_new: int) -> tuple[int, ...]:
+        asked = Question(Mapping("identity", LOCATION), (0,), FLAT, n_new + 1, n_new + 2, n_new + 3)
+        chain: tuple[Node, ...] = (*(Instantiation(i + 1) for i in range(n_new)), asked, *(leaf(0.5),) * 3)
+        return introduced(plane("passer", "receiver"), chain)[n_new]
 
-    assert fresh_variables(schema, 0, 2) == ()
-    assert fresh_variables(schema, 0, 4) == (2, 3)
-    assert fresh_variables(schema, 1, 2) == (2,)
-    assert fresh_variables(schema, 3, 1) == (3,)
+    assert asked_after(2) == ()
+    assert asked_after(4) == (2, 3)
 
 
 def test_a_stub_in_words() -> None:

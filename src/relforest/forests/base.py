@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from sklearn.base import BaseEstimator
+from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests.descriptions import MOST_QUESTIONS, ensemble_in_words
@@ -18,6 +19,7 @@ from relforest.forests.explanations import (
     importances,
 )
 from relforest.forests.settings import GrowthSettings
+from relforest.forests.shares import logistic_shares
 from relforest.forests.tables import ConditionTable, searched_tables
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
@@ -27,9 +29,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
+    from relforest.trees.weights import ClassWeight
 
 
-def growth_settings(given: object, default: GrowthSettings) -> GrowthSettings:
+_Settings = TypeVar("_Settings")
+
+
+def settings_or(name: str, given: object, default: _Settings) -> _Settings:
     """Return the settings of an estimator: those given, or the default.
 
     Raises
@@ -39,8 +45,8 @@ def growth_settings(given: object, default: GrowthSettings) -> GrowthSettings:
     """
     if given is None:
         return default
-    if not isinstance(given, GrowthSettings):
-        raise InputError(f"growth must be GrowthSettings or None, got {given!r:.100}")
+    if not isinstance(given, type(default)):
+        raise InputError(f"{name} must be {type(default).__name__} or None, got {given!r:.100}")
     return given
 
 
@@ -95,3 +101,36 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
         tags = super().__sklearn_tags__()
         tags.input_tags.two_d_array = False
         return tags
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
+class SceneClassifier(ClassifierMixin, SceneEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
+    """An estimator of classes; its scores are log-odds unless it says otherwise."""
+
+    class_weight: ClassWeight = None
+
+    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Probability of each class, (n_scenes, n_classes)."""
+        return self._shares(self._scores(scenes))
+
+    def predict(self, scenes: Scenes) -> NDArray[Any]:
+        """Most probable class of each scene, (n_scenes,)."""
+        predicted: NDArray[Any] = self.classes_[self.predict_proba(scenes).argmax(axis=1)]
+        return predicted
+
+    def _shares(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
+        return logistic_shares(scores)
+
+    def _scored(self) -> str:
+        return f"class {self.classes_[-1]}"
+
+
+class SceneRegressor(RegressorMixin, SceneEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
+    """An estimator of real targets."""
+
+    def predict(self, scenes: Scenes) -> NDArray[np.float64]:
+        """Predicted target of each scene, (n_scenes,)."""
+        return self._scores(scenes)[:, 0]
+
+    def _scored(self) -> str:
+        return "the target"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.support.jit import kernel
+from relforest.scenes.arrays import gather
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,22 +43,29 @@ def bindings(scenes: Scenes, n_free: int, *, most: int, rng: np.random.Generator
         of at most so many.
     rng : Generator
     """
-    free = np.maximum(scenes.counts - _n_distinct(scenes.arguments), 0)
-    counts = [np.ones_like(free), free, free * np.maximum(free - 1, 0)][n_free]
+    objects = gather(scenes.rows, scenes.starts, scenes.counts)
+    owner = np.repeat(np.arange(len(scenes)), scenes.counts)
+    is_free = (objects[:, None] != scenes.arguments[owner]).all(axis=1)
+    free, n = objects[is_free], np.bincount(owner[is_free], minlength=len(scenes))
+    counts = [np.ones_like(n), n, n * np.maximum(n - 1, 0)][n_free]
     drawn = counts
     if counts.sum() > most * len(scenes):
         drawn = np.minimum(counts, most)
-    starts = np.concatenate([[0], np.cumsum(drawn)])
-    rows = np.full((starts[-1], scenes.arguments.shape[1] + n_free), -1, dtype=np.int64)
-    table = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
     kept = np.concatenate(
         [
-            np.arange(n) if n == total else np.sort(rng.choice(total, n, replace=False))
-            for n, total in zip(drawn.tolist(), counts.tolist(), strict=True)
+            np.arange(size) if size == total else np.sort(rng.choice(total, size, replace=False))
+            for size, total in zip(drawn.tolist(), counts.tolist(), strict=True)
         ]
         or [np.empty(0)]
     ).astype(np.int64)
-    _fill(table, n_free, starts, kept, rows)
+    scene = np.repeat(np.arange(len(scenes)), drawn)
+    first = (np.cumsum(n) - n)[scene]
+    chosen = [kept] if n_free == 1 else []
+    if n_free == 2:
+        one, other = np.divmod(kept, n[scene] - 1)
+        chosen = [one, other + (other >= one)]
+    rows = np.column_stack([scenes.arguments[scene], *(free[first + each] for each in chosen)])
+    starts = np.concatenate([[0], np.cumsum(drawn)])
     return Bindings(rows, starts), int(np.count_nonzero(drawn < counts))
 
 
@@ -75,43 +82,3 @@ def column_values(
             mapped[key] = column.mapping.evaluate(scenes.schema, scenes.matrix, chosen)
         values[number] = mapped[key][:, column.component]
     return values
-
-
-def _n_distinct(arguments: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return how many objects are arguments of each scene."""
-    ordered = np.sort(arguments, axis=1)
-    new = np.ones(ordered.shape, dtype=np.bool_)
-    new[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
-    return np.asarray(np.count_nonzero(new & (ordered >= 0), axis=1))
-
-
-@kernel
-def _fill(
-    scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
-    n_free: int,
-    starts: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    rows: NDArray[np.int64],
-) -> None:
-    """Write the rows of the choices with the numbers `kept` of each scene."""
-    objects, first, counts, arguments = scenes
-    n_arguments = arguments.shape[1]
-    free = np.empty(max(counts.max(), 1), dtype=np.int64)
-    for scene in range(len(first)):
-        n = 0
-        for place in range(counts[scene]):
-            row, is_free = objects[first[scene] + place], True
-            for k in range(n_arguments):
-                is_free &= arguments[scene, k] != row
-            if is_free:
-                free[n] = row
-                n += 1
-        for choice in range(starts[scene], starts[scene + 1]):
-            for k in range(n_arguments):
-                rows[choice, k] = arguments[scene, k]
-            if n_free == 1:
-                rows[choice, n_arguments] = free[kept[choice]]
-            elif n_free == 2:
-                one, other = kept[choice] // (n - 1), kept[choice] % (n - 1)
-                rows[choice, n_arguments] = free[one]
-                rows[choice, n_arguments + 1] = free[other + (1 if other >= one else 0)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, NamedTuple, final
 
 import numpy as np
 
@@ -57,24 +57,12 @@ class BoostingSettings:
         at_least("patience", self.patience, 1)
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Boosted:
-    """The result of boosting.
+class Boosted(NamedTuple):
+    """The result of boosting; the losses are those of the held-out scenes if there are any."""
 
-    Parameters
-    ----------
-    start : ndarray (n_outputs,)
-        The constant that the trees are added to.
-    trees : tuple of GrownTree
-    losses : ndarray (n_trees + 1,)
-        Mean loss before the first and after every tree, on the held-out scenes if there are any, else on the
-        training scenes.
-    """
-
-    start: NDArray[np.float64]
+    start: NDArray[np.float64]  # (n_outputs,) the constant that the trees are added to
     trees: tuple[GrownTree, ...]
-    losses: NDArray[np.float64]
+    losses: NDArray[np.float64]  # (n_trees + 1,) mean loss before the first and after every tree
 
 
 def boost(
@@ -85,14 +73,6 @@ def boost(
     rng: np.random.Generator,
 ) -> Boosted:
     """Fit trees to the gradient of a loss, one after the other.
-
-    Parameters
-    ----------
-    tables : tuple of ConditionTable
-    n_scenes : int
-    loss : Loss
-    settings : BoostingSettings and GrowthSettings
-    rng : Generator
 
     References
     ----------

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from abc import ABC
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, final
 
 import numpy as np
-from sklearn.base import ClassifierMixin, RegressorMixin
-from sklearn.utils.validation import check_is_fitted
 
-from relforest.forests.base import SceneEstimator, growth_settings
-from relforest.forests.boosting import Boosted, BoostingSettings, boost
+from relforest.forests.base import SceneClassifier, SceneEstimator, SceneRegressor, settings_or
+from relforest.forests.boosting import BoostingSettings, boost
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.settings import GrowthSettings
-from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
@@ -25,7 +22,15 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
-    from relforest.trees.weights import ClassWeight
+
+
+class _Goal(NamedTuple):
+    """A loss, and how its scores become those of the ensemble; the classes if it is about classes."""
+
+    loss: Loss
+    scale: float = 1.0
+    shift: float = 0.0
+    classes: NDArray[Any] | None = None
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
@@ -41,25 +46,45 @@ class _Boosting(SceneEstimator, ABC):
     n_jobs: int = 1
     verbose: bool = False
 
-    def _settings(self) -> tuple[BoostingSettings, GrowthSettings]:
-        how = BoostingSettings(self.n_trees, self.learning_rate, self.max_scenes, self.validation)
-        return how, growth_settings(self.growth, GrowthSettings())
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn the trees.
 
-    def _boost(self, scenes: Scenes, loss: Loss, scale: float = 1.0, shift: float = 0.0) -> Boosted:
-        settings = self._settings()
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            Labels of two or more classes; for a regressor, finite numbers that are not all equal.
+        sample_weight : array-like (n_scenes,), optional
+            Not negative.
+
+        Raises
+        ------
+        InputError
+            If targets or weights do not match the scenes, or a parameter is out of range.
+        """
+        how = BoostingSettings(self.n_trees, self.learning_rate, self.max_scenes, self.validation)
+        growth = settings_or("growth", self.growth, GrowthSettings())
+        goal = self._goal(y, len(checked_scenes(scenes)), sample_weight)
         rng = generator(seed_sequence(self.random_state))
         with printed_to_stderr(self.verbose):
-            boosted = boost(self._tables(scenes, settings[1], rng), len(scenes), loss, settings, rng)
+            tables = self._tables(scenes, growth, rng)
+            boosted = boost(tables, len(scenes), goal.loss, (how, growth), rng)
         trees = tuple(grown.tree for grown in boosted.trees)
-        weights = np.full(len(trees), self.learning_rate * scale)
-        self.ensemble_ = Ensemble(scenes.schema, boosted.start * scale + shift, trees, weights)
+        weights = np.full(len(trees), self.learning_rate * goal.scale)
+        self.ensemble_ = Ensemble(scenes.schema, boosted.start * goal.scale + goal.shift, trees, weights)
         self.losses_: NDArray[np.float64] = boosted.losses
-        return boosted
+        if goal.classes is not None:
+            self.classes_: NDArray[Any] = goal.classes
+        return self
+
+    @abstractmethod
+    def _goal(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Goal:
+        """Check the targets, and return what is to be minimised."""
 
 
 @final
 @dataclass(kw_only=True, eq=False, repr=False)
-class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFBoostingClassifier(SceneClassifier, _Boosting):
     """Sum of small trees of conditions, fitted to the gradient of the log likelihood.
 
     A condition says that some object exists (or two, or at least k) of which up to three statements are true:
@@ -117,56 +142,21 @@ class SMRFBoostingClassifier(ClassifierMixin, _Boosting):  # type: ignore[misc] 
     'distance(location) of C, D'
     """
 
-    class_weight: ClassWeight = None
-
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn the trees.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : array-like (n_scenes,)
-            Labels of two or more classes.
-        sample_weight : array-like (n_scenes,), optional
-            Not negative.
-
-        Raises
-        ------
-        InputError
-            If labels or weights do not match the scenes, or a parameter is out of range.
-        """
-        self._settings()
-        targets = class_targets(y, len(checked_scenes(scenes)), sample_weight, self.class_weight)
-        loss: Loss = (
-            Logistic(targets.numbers == 1, targets.weights)
-            if len(targets.classes) == 2
-            else Softmax(targets.numbers, len(targets.classes), targets.weights)
-        )
-        self._boost(scenes, loss)
-        self.classes_ = targets.classes
-        return self
+    def _goal(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Goal:
+        targets = class_targets(y, n, sample_weight, self.class_weight)
+        if len(targets.classes) == 2:
+            return _Goal(Logistic(targets.numbers == 1, targets.weights), classes=targets.classes)
+        loss = Softmax(targets.numbers, len(targets.classes), targets.weights)
+        return _Goal(loss, classes=targets.classes)
 
     def decision_function(self, scenes: Scenes) -> NDArray[np.float64]:
         """Log-odds of the second class (n_scenes,), or unnormalised log probabilities of all classes."""
         scores = self._scores(scenes)
         return scores[:, 0] if scores.shape[1] == 1 else scores
 
-    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, (n_scenes, n_classes)."""
-        return logistic_shares(self._scores(scenes))
-
-    def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, (n_scenes,)."""
-        probabilities = self.predict_proba(scenes)
-        predicted: NDArray[Any] = self.classes_[probabilities.argmax(axis=1)]
-        return predicted
-
-    def _scored(self) -> str:
-        return f"class {self.classes_[-1]}"
-
 
 @final
-class SMRFBoostingRegressor(RegressorMixin, _Boosting):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFBoostingRegressor(SceneRegressor, _Boosting):
     """Sum of small trees of conditions, fitted to the residuals of real targets.
 
     The parameters are those of `SMRFBoostingClassifier`, without ``class_weight``.
@@ -182,33 +172,7 @@ class SMRFBoostingRegressor(RegressorMixin, _Boosting):  # type: ignore[misc]  #
         Scenes of which only a sample of the choices was searched.
     """
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn the trees.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : array-like (n_scenes,)
-            Finite numbers, not all equal.
-        sample_weight : array-like (n_scenes,), optional
-            Not negative.
-
-        Raises
-        ------
-        InputError
-            If targets or weights do not match the scenes, or a parameter is out of range.
-        """
-        self._settings()
-        values = real_targets(y, len(checked_scenes(scenes)))
-        weights = weights_of(sample_weight, len(values))
+    def _goal(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Goal:
+        values, weights = real_targets(y, n), weights_of(sample_weight, n)
         shift, scale = float(values.mean()), float(values.std())
-        self._boost(scenes, SquaredError((values - shift) / scale, weights), scale, shift)
-        return self
-
-    def predict(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Predicted target of each scene, (n_scenes,)."""
-        check_is_fitted(self)
-        return self._scores(scenes)[:, 0]
-
-    def _scored(self) -> str:
-        return "the target"
+        return _Goal(SquaredError((values - shift) / scale, weights), scale, shift)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from relforest.mappings import Mapping
 from relforest.scenes.schema import PLANAR_OPERATIONS
@@ -18,17 +17,8 @@ if TYPE_CHECKING:
 _MORE_OPERATIONS: Final = ("scaled_distance", "bearing")
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class Column:
-    """One component of a mapping of some of the variables.
-
-    Parameters
-    ----------
-    mapping : Mapping
-    variables : tuple of int
-    component : int
-    """
+class Column(NamedTuple):
+    """One component of a mapping of some of the variables."""
 
     mapping: Mapping
     variables: tuple[int, ...]

@@ -21,21 +21,11 @@ MOST_QUESTIONS: Final = 10
 
 
 def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:
-    """Return the questions that lowered the training loss most.
+    """Return the questions that lowered the training loss most, at most `most` of them.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-    of : str
-        What the last output scores, such as ``"completed = True"``.
-    most : int
-        Number of questions.
-
-    Returns
-    -------
-    str
-        A title, and a line for each question: its share of the gain of all questions, what a yes and a no
-        add to the score on average, and the condition.
+    After a title that says what the last output is the score `of`, such as ``"completed = True"``, there is a
+    line for each question: its share of the gain of all questions, what a yes and a no add to the score on
+    average, and the condition.
     """
     found = []
     for tree, weight in zip(ensemble.trees, ensemble.weights, strict=True):
@@ -61,15 +51,7 @@ def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
 def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:
     """Return the best rule set, the first tree: a line for each rule, and one for all other scenes.
 
-    Leaves contain log-odds.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    of : str
-        What the probabilities are of.
-    most : int
-        Number of rules.
+    Leaves contain log-odds; `of` is what the probabilities are of, and `most` the number of rules.
     """
     best = cast("SceneTree", ensemble.trees[0])
     *held, other = (node for node in best.nodes if isinstance(node, Value))

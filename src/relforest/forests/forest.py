@@ -127,14 +127,7 @@ def grow_forest(
 ) -> Forest:
     """Grow each tree from a random sample of the scenes, drawn without replacement.
 
-    Parameters
-    ----------
-    scenes : Scenes
-    wanted : Wanted
-    settings : ForestSettings
-    seed : SeedSequence
-    n_jobs : int
-        How many trees grow at the same time. It does not affect the result.
+    `n_jobs` trees grow at the same time, which does not affect the result.
 
     References
     ----------
@@ -183,18 +176,9 @@ def grow_forest_of_samples(
     *,
     n_jobs: int = 1,
 ) -> Forest:
-    """Grow each tree from all scenes of its own sample.
+    """Grow each tree from all scenes of its own sample, one for each tree and of the same schema.
 
-    Parameters
-    ----------
-    samples : sequence of Scenes
-        One for each tree, of the same schema.
-    wanted : Wanted
-        For the scenes of all samples, one sample after the other.
-    settings : ForestSettings
-    seed : SeedSequence
-    n_jobs : int
-        How many trees grow at the same time. It does not affect the result.
+    What is `wanted` of them is listed one sample after the other; for `n_jobs` see `grow_forest`.
     """
     ends = np.cumsum([len(scenes) for scenes in samples])
     pieces = [wanted.take(np.arange(end - len(each), end)) for each, end in zip(samples, ends, strict=True)]

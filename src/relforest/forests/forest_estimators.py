@@ -8,9 +8,8 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any, Final, Self, Unpack, final
 
 import numpy as np
-from sklearn.base import ClassifierMixin, RegressorMixin
 
-from relforest.forests.base import SceneEstimator, growth_settings
+from relforest.forests.base import SceneClassifier, SceneEstimator, SceneRegressor, settings_or
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.forest import Forest, ForestSettings, grow_forest, grow_forest_of_samples
 from relforest.forests.labels import class_targets, real_targets, weights_of
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
     from relforest.scenes import Scenes
     from relforest.scenes.scene_stream import SceneColumns
-    from relforest.trees.weights import ClassWeight
 
 _SAMPLES: Final = 2
 FOREST_GROWTH: Final = GrowthSettings(max_leaves=30, share=0.25, min_scenes=2, penalty=0.5)
@@ -125,7 +123,7 @@ class _Forest(SceneEstimator, ABC):
     def _settings(self) -> ForestSettings:
         growth = self.growth
         if not isinstance(growth, TreeSettings):
-            growth = growth_settings(growth, FOREST_GROWTH)
+            growth = settings_or("growth", growth, FOREST_GROWTH)
         return ForestSettings(self.n_trees, self.max_samples, growth, self.negated)
 
     @abstractmethod
@@ -139,7 +137,7 @@ class _Forest(SceneEstimator, ABC):
 
 @final
 @dataclass(kw_only=True, eq=False, repr=False)
-class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFForestClassifier(SceneClassifier, _Forest):
     """Mean of trees, each grown from a random sample of the scenes: trees of conditions, or SMRF trees.
 
     Parameters
@@ -204,8 +202,6 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
     27.8 %  +0.250 / +0.000  there are A and B such that B is between 0.414 and 3.07 from A
     """
 
-    class_weight: ClassWeight = None
-
     def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> Wanted:
         targets = class_targets(y, n, sample_weight, self.class_weight)
         self.classes_: NDArray[Any] = targets.classes
@@ -221,21 +217,12 @@ class SMRFForestClassifier(ClassifierMixin, _Forest):  # type: ignore[misc]  # s
         ).argmax(axis=1)
         self.oob_score_ = float(right.mean()) if judged.any() else float("nan")
 
-    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, (n_scenes, n_classes)."""
-        return mean_shares(self._scores(scenes))
-
-    def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, (n_scenes,)."""
-        predicted: NDArray[Any] = self.classes_[self.predict_proba(scenes).argmax(axis=1)]
-        return predicted
-
-    def _scored(self) -> str:
-        return f"class {self.classes_[-1]}"
+    def _shares(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
+        return mean_shares(scores)
 
 
 @final
-class SMRFForestRegressor(RegressorMixin, _Forest):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFForestRegressor(SceneRegressor, _Forest):
     """Mean of trees for real targets, each grown from a random sample of the scenes.
 
     The parameters are those of `SMRFForestClassifier`, without ``class_weight``.
@@ -261,10 +248,3 @@ class SMRFForestRegressor(RegressorMixin, _Forest):  # type: ignore[misc]  # sci
         errors = ((self.oob_prediction_ - values)[judged] ** 2).sum()
         spread = ((values[judged] - values[judged].mean()) ** 2).sum() if judged.any() else 0.0
         self.oob_score_ = float(1.0 - errors / spread) if spread > 0.0 else float("nan")
-
-    def predict(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Predicted target of each scene, (n_scenes,)."""
-        return self._scores(scenes)[:, 0]
-
-    def _scored(self) -> str:
-        return "the target"

@@ -10,23 +10,12 @@ import numpy as np
 from relforest.forests.kernels import Plan, Targets, best_condition, work_space
 from relforest.forests.kinds import N_NUMBERS
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
+from relforest.forests.tables import ConditionTable, Found
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.forests.settings import GrowthSettings
-    from relforest.forests.tables import ConditionTable
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class _Question:
-    """The best condition found for a leaf, as rows of numbers in one of the tables."""
-
-    table: ConditionTable
-    numbers: NDArray[np.float64]
-    at_least: int
-    gain: float
 
 
 @final
@@ -36,7 +25,7 @@ class _Open:
 
     node: int
     scenes: NDArray[np.int64]
-    question: _Question | None
+    question: Found | None
 
 
 @final
@@ -47,12 +36,12 @@ class GrownTree:
     Parameters
     ----------
     tree : SceneTree
-    questions : tuple of (table number, numbers, at_least)
+    questions : tuple of Found
         One per split, in the order of the nodes.
     """
 
     tree: SceneTree
-    questions: tuple[tuple[ConditionTable, NDArray[np.float64], int], ...]
+    questions: tuple[Found, ...]
 
     def leaves(self, scenes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the number of the leaf of each training scene (n,)."""
@@ -65,8 +54,7 @@ class GrownTree:
             if isinstance(node, Value):
                 out[here] = ordinal[index]
                 continue
-            table, numbers, at_least = next(asked)
-            is_true = table.holds(numbers, at_least, scenes[here])
+            is_true = next(asked).holds(scenes[here])
             arrived[node.yes], arrived[node.no] = here[is_true], here[~is_true]
         return out
 
@@ -97,24 +85,14 @@ def grow_tree(
     of first and second derivatives on both sides, and a leaf says ``-G / (H + l)`` (Chen and Guestrin, 2016,
     XGBoost, eq. 5 and 7).
     """
-    plan = Plan(
-        settings.max_statements,
-        settings.max_count,
-        settings.n_discs,
-        settings.min_scenes,
-        settings.first_share,
-        settings.share,
-        settings.penalty,
-        settings.pair_gain,
-        settings.every,
-    )
+    plan = Plan(*(getattr(settings, name) for name in Plan._fields))
 
     def opened(node: int, here: NDArray[np.int64]) -> _Open:
         enough = len(here) >= 2 * settings.min_scenes
         return _Open(node, here, _best_question(tables, here, targets, plan, rng) if enough else None)
 
     nodes: list[Node | None] = [None]
-    asked: dict[int, _Question] = {}
+    asked: dict[int, Found] = {}
     frontier = [opened(0, scenes)]
     n_leaves = 1
     while n_leaves < settings.max_leaves:
@@ -122,9 +100,8 @@ def grow_tree(
         question = chosen.question
         if question is None:
             break
-        is_true = question.table.holds(question.numbers, question.at_least, chosen.scenes)
-        condition = question.table.condition(question.numbers, question.at_least)
-        nodes[chosen.node] = Split(condition, len(nodes), len(nodes) + 1, 0.5 * question.gain)
+        is_true = question.holds(chosen.scenes)
+        nodes[chosen.node] = Split(question.condition, len(nodes), len(nodes) + 1, 0.5 * question.gain)
         asked[chosen.node] = question
         frontier.remove(chosen)
         n_leaves += 1
@@ -138,8 +115,7 @@ def grow_tree(
         step = -gradient / (curvature + settings.penalty)
         nodes[leaf.node] = Value(tuple(step.tolist()), len(leaf.scenes))
     tree = SceneTree(tuple(node for node in nodes if node is not None))
-    ordered = (asked[index] for index in sorted(asked))
-    return GrownTree(tree, tuple((each.table, each.numbers, each.at_least) for each in ordered))
+    return GrownTree(tree, tuple(asked[index] for index in sorted(asked)))
 
 
 def _best_question(
@@ -148,7 +124,7 @@ def _best_question(
     targets: Targets,
     plan: Plan,
     rng: np.random.Generator,
-) -> _Question | None:
+) -> Found | None:
     best, most = None, 0.0
     for each in tables:
         table = each.table
@@ -161,8 +137,8 @@ def _best_question(
         if each.n_free and table.firsts[1]:
             kinds.append(int(rng.integers(table.firsts[1])))
         for kind in kinds:
-            statements = np.zeros((plan.most_statements, N_NUMBERS))
+            statements = np.zeros((plan.max_statements, N_NUMBERS))
             gain, n, at_least = best_condition(table, scenes, targets, tried, rng, statements, work, kind)
             if factor * gain > most:
-                best, most = _Question(each, statements[:n].copy(), at_least, gain), factor * gain
+                best, most = Found(each, statements[:n].copy(), at_least, gain), factor * gain
     return best

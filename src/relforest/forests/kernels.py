@@ -23,12 +23,12 @@ class Targets(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """How much is tried at one node; see `GrowthSettings`."""
+    """The `GrowthSettings` that the search at one node needs."""
 
-    most_statements: int
-    most_counted: int
+    max_statements: int
+    max_count: int
     n_discs: int
-    least_scenes: int
+    min_scenes: int
     first_share: float
     share: float
     penalty: float  # lambda, added to the sum of curvatures
@@ -123,7 +123,7 @@ def best_limit(
     base = _score(sums, 0, plan.penalty)
     best, limit = 0.0, 0.0
     sums[1] = 0.0
-    for rank in range(n - plan.least_scenes):
+    for rank in range(n - plan.min_scenes):
         i = order[rank]
         # A category is right (0) or wrong (1).
         if least[i] == np.inf or (is_category and least[i] > 0.5):
@@ -132,7 +132,7 @@ def best_limit(
             sums[1, 0, k] += targets.gradients[i, k]
             sums[1, 1, k] += targets.curvatures[i, k]
         following = least[order[rank + 1]]
-        if following == least[i] or rank + 1 < plan.least_scenes:
+        if following == least[i] or rank + 1 < plan.min_scenes:
             continue
         gain = _score(sums, 1, plan.penalty) - base
         for k in range(n_outputs):
@@ -271,8 +271,8 @@ def best_condition(
     tells anything, so that a greedy search would not begin with it.
     """
     at_least = 1
-    if plan.most_counted > 1 and rng.random() < 0.4:
-        at_least = 1 + int(rng.random() * plan.most_counted)
+    if plan.max_count > 1 and rng.random() < 0.4:
+        at_least = 1 + int(rng.random() * plan.max_count)
     if plan.every and rng.random() < 0.4:
         at_least = EVERY
     gain, n = 0.0, 0
@@ -282,7 +282,7 @@ def best_condition(
         statements[0, SECOND], statements[0, LIMIT] = -1.0, 0.5
         restrict(table, statements[0], work.inside)
         n = 1
-    while n < plan.most_statements:
+    while n < plan.max_statements:
         found = _best_statement(table, scenes, targets, plan, (n, at_least), rng, statements[n], work)
         if found <= gain:
             break

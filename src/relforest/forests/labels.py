@@ -2,38 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
-from relforest.support.masks import refuse_masked
-from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.trees.weights import ClassWeight, class_weights, real_values, scene_weights
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ClassTargets:
-    """The class of each scene.
+class ClassTargets(NamedTuple):
+    """The class of each scene."""
 
-    Parameters
-    ----------
-    classes : ndarray (n_classes,)
-        In sorted order.
-    numbers : int64 ndarray (n,)
-        Place of the label of each scene in `classes`.
-    weights : ndarray (n,)
-        With a mean of 1.
-    """
-
-    classes: NDArray[Any]
-    numbers: NDArray[np.int64]
-    weights: NDArray[np.float64]
+    classes: NDArray[Any]  # (n_classes,) in sorted order
+    numbers: NDArray[np.int64]  # (n,) place of the label of each scene among them
+    weights: NDArray[np.float64]  # (n,) with a mean of 1
 
 
 def class_targets(
@@ -67,13 +53,7 @@ def real_targets(y: ArrayLike, n: int) -> NDArray[np.float64]:
     InputError
         If their number is wrong, one is missing, NaN or infinite, or all are equal.
     """
-    refuse_masked(y, "y")
-    try:
-        values = np.asarray(y, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"targets must be numbers: {error}") from error
-    if values.shape != (n,):
-        raise InputError(f"got targets of shape {values.shape} for {n} scenes: give one number for each")
+    values = real_values(y, n)
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size:
         raise InputError(f"target {wrong[0]} is {values[wrong[0]]}: targets must be finite numbers")

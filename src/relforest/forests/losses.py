@@ -33,16 +33,10 @@ class Loss(Protocol):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Logistic:
-    """Negative log likelihood of two classes; the score is the log-odds of the second.
+    """Negative log likelihood of two classes; the score is the log-odds of the second."""
 
-    Parameters
-    ----------
-    positive : bool ndarray (n,)
-    weights : ndarray (n,)
-    """
-
-    positive: NDArray[np.bool_]
-    weights: NDArray[np.float64]
+    positive: NDArray[np.bool_]  # (n,)
+    weights: NDArray[np.float64]  # (n,)
 
     def start(self) -> NDArray[np.float64]:
         """The log-odds of the weighted share of positive scenes."""
@@ -63,19 +57,11 @@ class Logistic:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Softmax:
-    """Negative log likelihood of several classes.
+    """Negative log likelihood of several classes."""
 
-    Parameters
-    ----------
-    classes : int64 ndarray (n,)
-        Number of the class of each scene.
-    n_classes : int
-    weights : ndarray (n,)
-    """
-
-    classes: NDArray[np.int64]
+    classes: NDArray[np.int64]  # (n,) number of the class of each scene
     n_classes: int
-    weights: NDArray[np.float64]
+    weights: NDArray[np.float64]  # (n,)
 
     def start(self) -> NDArray[np.float64]:
         """Logarithms of the weighted shares of the classes."""
@@ -96,17 +82,10 @@ class Softmax:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SquaredError:
-    """Half of the squared error.
+    """Half of the squared error in units of the variance, so that the penalty means the same for all."""
 
-    Parameters
-    ----------
-    values : ndarray (n,)
-        Targets, in units of their standard deviation, so that the penalty means the same for all.
-    weights : ndarray (n,)
-    """
-
-    values: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    values: NDArray[np.float64]  # (n,) targets in units of their standard deviation
+    weights: NDArray[np.float64]  # (n,)
 
     def start(self) -> NDArray[np.float64]:
         """The weighted mean."""

@@ -10,7 +10,7 @@ from relforest.forests.scene_tree import SceneTree, Split, Value
 from relforest.forests.words import sentence
 from relforest.scenes.ids import plain
 from relforest.trees import Question, Tree, query
-from relforest.trees.nodes import ANSWERS, AnyLeaf, ClassLeaf, children, variable_name
+from relforest.trees.nodes import ANSWERS, AnyLeaf, children, variable_name
 from relforest.trees.text import introduced
 from relforest.trees.text import sentence as question_sentence
 
@@ -176,18 +176,11 @@ def _totals(tree: SceneTree | Tree) -> list[tuple[NDArray[np.float64], int]]:
     for index in range(len(tree.nodes) - 1, -1, -1):
         node = tree.nodes[index]
         if isinstance(node, (Value, AnyLeaf)):
-            n = _n_scenes(node)
-            totals[index] = (next(values) * n, n)
+            totals[index] = (next(values) * node.n_scenes, node.n_scenes)
             continue
         below = [totals[i] for i in ((node.yes, node.no) if isinstance(node, Split) else children(node))]
         totals[index] = (np.sum([total for total, _ in below], axis=0), sum(n for _, n in below))
     return totals
-
-
-def _n_scenes(leaf: Value | AnyLeaf) -> int:
-    if isinstance(leaf, Value):
-        return leaf.n_scenes
-    return sum(leaf.counts) if isinstance(leaf, ClassLeaf) else leaf.negatives + leaf.positives
 
 
 def _answer(tree: Tree, question: int, leaf: int) -> str:

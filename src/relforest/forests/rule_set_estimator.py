@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, Final, Self, final
 
 import numpy as np
 from scipy.special import logit, xlogy
-from sklearn.base import ClassifierMixin
 from sklearn.utils.validation import check_is_fitted
 
-from relforest.forests.base import SceneEstimator, growth_settings
+from relforest.forests.base import SceneClassifier, settings_or
 from relforest.forests.boosting import Boosted, BoostingSettings, boost
 from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
@@ -18,16 +17,13 @@ from relforest.forests.labels import class_targets
 from relforest.forests.losses import Logistic
 from relforest.forests.rule_sets import (
     Pool,
-    Rule,
     RuleSet,
     RuleSetSettings,
-    candidate_rules,
     choose_rule_sets,
     rule_pool,
 )
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
-from relforest.forests.shares import logistic_shares
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
@@ -37,9 +33,8 @@ from relforest.support.rng import RandomState, generator, seed_sequence
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from relforest.forests.tables import Found
     from relforest.scenes import Scenes
-    from relforest.trees.weights import ClassWeight
-
 
 _LEARNING_RATE: Final = 0.05
 # Rules for several causes are found below a first question; rules that differ are worth more than the best.
@@ -48,7 +43,7 @@ RULE_GROWTH: Final = GrowthSettings(max_leaves=4, share=0.2)
 
 @final
 @dataclass(kw_only=True, eq=False, repr=False)
-class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class SMRFRuleSetClassifier(SceneClassifier):
     """Rule set: any of a few conditions holds, chosen by description length.
 
     The rules are conditions from the trees of a boosted model. Of all sets of a few of them, for either
@@ -95,7 +90,6 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
     random_state: RandomState = None
     n_jobs: int = 1
     verbose: bool = False
-    class_weight: ClassWeight = None
 
     def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the rules.
@@ -125,10 +119,10 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
         with printed_to_stderr(self.verbose):
             tables = self._tables(scenes, growth, rng)
             boosted = boost(tables, len(scenes), Logistic(positive, targets.weights), (how, growth), rng)
-            rules, pool = rule_pool(candidate_rules(boosted.trees), len(scenes), chosen)
+            rules, pool = rule_pool(boosted.trees, len(scenes), chosen)
             with part("choosing rules"):
                 sets = choose_rule_sets(pool, positive, targets.weights, chosen, rng)
-        self.classes_ = targets.classes
+        self.classes_: NDArray[Any] = targets.classes
         kept = sets if self.averaged else sets[:1]
         chains = tuple(_chain(each, rules, pool, positive, targets.weights) for each in kept)
         weights = np.array([each.weight for each in kept])
@@ -137,15 +131,6 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
             self.ensemble_ = _with_boosted(self.ensemble_, boosted, how.learning_rate)
         return self
 
-    def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, (n_scenes, 2)."""
-        return logistic_shares(self._scores(scenes))
-
-    def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, (n_scenes,)."""
-        predicted: NDArray[Any] = self.classes_[self.predict_proba(scenes).argmax(axis=1)]
-        return predicted
-
     def describe(self, *, most: int = MOST_QUESTIONS) -> str:
         """Return the best rule set in words; `most` bounds the rules that are listed."""
         check_is_fitted(self)
@@ -153,14 +138,8 @@ class SMRFRuleSetClassifier(ClassifierMixin, SceneEstimator):  # type: ignore[mi
 
     def _settings(self) -> tuple[BoostingSettings, GrowthSettings, RuleSetSettings]:
         how = BoostingSettings(self.n_trees, _LEARNING_RATE)
-        growth = growth_settings(self.growth, RULE_GROWTH)
-        chosen = RuleSetSettings() if self.rules is None else self.rules
-        if not isinstance(chosen, RuleSetSettings):
-            raise InputError(f"rules must be RuleSetSettings or None, got {chosen!r:.100}")
-        return how, growth, chosen
-
-    def _scored(self) -> str:
-        return f"class {self.classes_[1]}"
+        growth = settings_or("growth", self.growth, RULE_GROWTH)
+        return how, growth, settings_or("rules", self.rules, RuleSetSettings())
 
 
 def _with_boosted(sets: Ensemble, boosted: Boosted, learning_rate: float) -> Ensemble:
@@ -172,7 +151,7 @@ def _with_boosted(sets: Ensemble, boosted: Boosted, learning_rate: float) -> Ens
 
 def _chain(
     chosen: RuleSet,
-    rules: list[Rule],
+    rules: list[Found],
     pool: Pool,
     positive: NDArray[np.bool_],
     weights: NDArray[np.float64],
@@ -186,10 +165,9 @@ def _chain(
     nodes: list[Node] = []
     remaining = np.ones(len(positive), dtype=np.bool_)
     for number in chosen.rules:
-        rule, truth = rules[number], pool.truth[number]
-        condition = rule.table.condition(rule.numbers, rule.at_least)
+        truth = pool.truth[number]
         gain = _gain(truth[remaining], positive[remaining], weights[remaining])
-        nodes.append(Split(condition, len(nodes) + 1, len(nodes) + 2, gain))
+        nodes.append(Split(rules[number].condition, len(nodes) + 1, len(nodes) + 2, gain))
         nodes.append(Value((held,), int(np.count_nonzero(remaining & truth))))
         remaining &= ~truth
     nodes.append(Value((_log_odds(~inside, positive, weights),), int(np.count_nonzero(remaining))))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.forests.growth import GrownTree
-    from relforest.forests.tables import ConditionTable
+    from relforest.forests.tables import Found
 
 # Of the best rule set's weight, a set must have at least this share to take part in predictions.
 _LEAST_WEIGHT: Final = 1e-3
@@ -67,44 +67,13 @@ class RuleSetSettings:
         at_least("n_chains", self.n_chains, 1)
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Rule:
-    """A condition as rows of numbers in one of the tables.
+class RuleSet(NamedTuple):
+    """A set of rules with its weight among all sets."""
 
-    Parameters
-    ----------
-    table : ConditionTable
-    numbers : ndarray (n_statements, N_NUMBERS)
-    at_least : int
-    """
-
-    table: ConditionTable
-    numbers: NDArray[np.float64]
-    at_least: int
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class RuleSet:
-    """A set of rules with its weight among all sets.
-
-    Parameters
-    ----------
-    rules : tuple of int
-        Numbers of its rules in the pool, ascending.
-    describes : int
-        The class that it describes: scenes of this class satisfy a rule.
-    cost : float
-        Its description length, in nats.
-    weight : float
-        The weights of all sets add up to 1.
-    """
-
-    rules: tuple[int, ...]
-    describes: int
-    cost: float
-    weight: float
+    rules: tuple[int, ...]  # their numbers in the pool, ascending
+    describes: int  # the class whose scenes satisfy a rule
+    cost: float  # description length, in nats
+    weight: float  # those of all sets add up to 1
 
 
 class Pool(NamedTuple):
@@ -117,27 +86,25 @@ class Pool(NamedTuple):
     costs: NDArray[np.float64]
 
 
-def candidate_rules(trees: tuple[GrownTree, ...]) -> list[Rule]:
-    """Return every condition of the trees, and what remains of it without its last statements."""
-    return [
-        Rule(table, numbers[:n], at_least)
-        for grown in trees
-        for table, numbers, at_least in grown.questions
-        for n in range(1, len(numbers) + 1)
-    ]
-
-
-def rule_pool(rules: list[Rule], n_scenes: int, settings: RuleSetSettings) -> tuple[list[Rule], Pool]:
+def rule_pool(
+    trees: tuple[GrownTree, ...], n_scenes: int, settings: RuleSetSettings
+) -> tuple[list[Found], Pool]:
     """Return the rules that tell scenes apart, and what the search needs of them.
 
-    Of rules that are true for the same scenes, the cheapest is kept.
+    These are the conditions of the trees, and what remains of them without their last statements. Of rules
+    that are true for the same scenes, the cheapest is kept.
     """
+    rules = (
+        replace(question, numbers=question.numbers[:n])
+        for grown in trees
+        for question in grown.questions
+        for n in range(1, len(question.numbers) + 1)
+    )
     everything = np.arange(n_scenes)
-    best: dict[bytes, tuple[float, Rule, NDArray[np.bool_]]] = {}
+    best: dict[bytes, tuple[float, Found, NDArray[np.bool_]]] = {}
     for rule in rules:
-        truth = rule.table.holds(rule.numbers, rule.at_least, everything)
-        n_numbers = rule.table.condition(rule.numbers, rule.at_least).n_parameters
-        cost = settings.cost_per_number * n_numbers + settings.cost_per_rule
+        truth = rule.holds(everything)
+        cost = settings.cost_per_number * rule.condition.n_parameters + settings.cost_per_rule
         cost += settings.cost_per_pair if rule.table.n_free > 1 else 0.0
         key = truth.tobytes()
         if truth.any() and not truth.all() and (key not in best or cost < best[key][0]):

@@ -86,8 +86,9 @@ class SceneTree:
             index < min(node.yes, node.no) for index, node in enumerate(self.nodes) if isinstance(node, Split)
         )
         if sorted(children) != list(range(1, len(self.nodes))) or not later or not self.nodes:
-            msg = "malformed tree: every node but the root must be the child of one earlier node"
-            raise ModelFormatError(msg)
+            raise ModelFormatError(
+                "malformed tree: every node but the root must be the child of one earlier node"
+            )
         leaves = tuple(index for index, node in enumerate(self.nodes) if isinstance(node, Value))
         object.__setattr__(self, "leaves", leaves)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
 
@@ -40,42 +40,51 @@ if TYPE_CHECKING:
 _SIGNED: Final = frozenset({"difference", "reframe", "scaled_reframe"})
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ConditionTable:
-    """All choices of `n_free` objects in a batch of scenes, with the values of all columns.
-
-    Parameters
-    ----------
-    n_free : int
-    columns : tuple of Column
-    table : Table
-        The same as arrays, for kernels.
-    n_sampled : int
-        Scenes of which only a sample of the choices is kept.
-    """
+class ConditionTable(NamedTuple):
+    """All choices of `n_free` objects in a batch of scenes, with the values of all columns."""
 
     n_free: int
     columns: tuple[Column, ...]
-    table: Table
-    n_sampled: int
+    table: Table  # the same as arrays, for kernels
+    n_sampled: int  # scenes of which only a sample of the choices is kept
 
-    def condition(self, numbers: NDArray[np.float64], at_least: int) -> Condition:
-        """Return the condition that a search found, from the rows of its statements."""
-        statements = tuple(map(self._statement, numbers))
-        return Condition(self.n_free, statements, max(at_least, 1), every=at_least == EVERY)
 
-    def holds(
-        self, numbers: NDArray[np.float64], at_least: int, scenes: NDArray[np.int64]
-    ) -> NDArray[np.bool_]:
-        """Return for which of the scenes (n,) a condition holds."""
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """A condition that a search found in one of the tables.
+
+    Parameters
+    ----------
+    table : ConditionTable
+    numbers : ndarray (n_statements, N_NUMBERS)
+        Its statements, see `relforest.forests.kinds`.
+    at_least : int
+        How many choices it asks for, or `EVERY`.
+    gain : float
+        Twice the decrease of the loss that was found with it.
+    """
+
+    table: ConditionTable
+    numbers: NDArray[np.float64]
+    at_least: int
+    gain: float
+
+    @property
+    def condition(self) -> Condition:
+        """The condition as a value."""
+        columns = [self.table.columns[int(row[FIRST])] for row in self.numbers]
+        statements = tuple(
+            Statement(column.mapping, column.variables, _test(row, column.component))
+            for row, column in zip(self.numbers, columns, strict=True)
+        )
+        return Condition(self.table.n_free, statements, max(self.at_least, 1), every=self.at_least == EVERY)
+
+    def holds(self, scenes: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return for which of the scenes (n,) of the table it holds."""
         out = np.empty(len(scenes), dtype=np.bool_)
-        holds(self.table, scenes, numbers, at_least, out)
+        holds(self.table.table, scenes, self.numbers, self.at_least, out)
         return out
-
-    def _statement(self, row: NDArray[np.float64]) -> Statement:
-        column = self.columns[int(row[FIRST])]
-        return Statement(column.mapping, column.variables, _test(row, column.component))
 
 
 def condition_tables(
@@ -83,14 +92,7 @@ def condition_tables(
 ) -> tuple[ConditionTable, ...]:
     """Return the tables for 0 to `max_free` free variables that have columns and choices.
 
-    Parameters
-    ----------
-    scenes : Scenes
-    max_free : int
-    most : int
-        Most choices per scene on average; see `bindings`.
-    rng : Generator
-        For sampling choices.
+    There are at most `most` choices per scene on average, see `bindings`.
     """
     tables = []
     for n_free in range(max_free + 1):

@@ -172,48 +172,38 @@ def _difference(limits: _Range) -> str:
     low, high = limits.low, limits.high
     if limits.absolute:
         return f"within {number(high)} of"
-    if math.isinf(low):
-        return f"at most {number(high)} above" if high >= 0.0 else f"at least {number(-high)} below"
-    if math.isinf(high):
-        return f"at least {number(low)} above" if low >= 0.0 else f"at most {number(-low)} below"
-    if low >= 0.0:
-        return f"{_limits(limits)} above"
-    if high <= 0.0:
-        return f"{_limits(_Range(-high, -low))} below"
-    return f"from {number(-low)} below to {number(high)} above"
+    if -math.inf < low < 0.0 and high < math.inf:
+        if high <= 0.0:
+            return f"{_limits(_Range(-high, -low))} below"
+        return f"from {number(-low)} below to {number(high)} above"
+    return _signed(limits, "above", "below")
+
+
+def _signed(limits: _Range, more: str, less: str) -> str:
+    """Return limits of a number whose sign has a name; an end of the wrong sign is told by the other name."""
+    low, high = limits.low, limits.high
+    if math.isinf(low) and high < 0.0:
+        return f"at least {number(-high)} {less}"
+    if math.isinf(high) and low < 0.0:
+        return f"at most {number(-low)} {less}"
+    return f"{_limits(limits)} {more}"
 
 
 def _in_frame(limits: _Range, component: int, others: list[str], *, scaled: bool) -> str:
     start, end = others
-    low, high = limits.low, limits.high
-    line = f"the line from {start} to {end}"
-    unit = " (in its lengths)" if scaled else ""
     if component == 0 and scaled:
-        if not limits.absolute:
-            return f"is {_limits(limits)} of the way from {start} to {end}"
-        side = f"at most {number(high)}" if math.isinf(low) else f"at least {number(low)}"
-        return f"is {side} of the way from {start}, towards {end} or away from it"
+        way = f", towards {end} or away from it" if limits.absolute else f" to {end}"
+        return f"is {_limits(limits)} of the way from {start}{way}"
     if component == 0:
-        if limits.absolute:
-            side = "at most" if math.isinf(low) else "at least"
-            far = number(high if math.isinf(low) else low)
-            return f"is {side} {far} in front of or behind {start}, facing {end}"
-        if math.isinf(low):
-            far = f"at most {number(high)} in front of" if high >= 0.0 else f"at least {number(-high)} behind"
-        elif math.isinf(high):
-            far = f"at least {number(low)} in front of" if low >= 0.0 else f"at most {number(-low)} behind"
-        else:
-            far = f"{_limits(limits)} in front of"
+        both = f"{_limits(limits)} in front of or behind"
+        far = both if limits.absolute else _signed(limits, "in front of", "behind")
         return f"is {far} {start}, facing {end}"
     if limits.absolute:
-        far = f"within {number(high)} of" if math.isinf(low) else f"at least {number(low)} from"
-    elif math.isinf(low):
-        far = f"at most {number(high)} left of" if high >= 0.0 else f"at least {number(-high)} right of"
-    elif math.isinf(high):
-        far = f"at least {number(low)} left of" if low >= 0.0 else f"at most {number(-low)} right of"
+        is_beyond = math.isinf(limits.high)
+        far = f"at least {number(limits.low)} from" if is_beyond else f"within {number(limits.high)} of"
     else:
-        far = f"{_limits(limits)} left of"
-    return f"is {far} {line}{unit}"
+        far = _signed(limits, "left of", "right of")
+    return f"is {far} the line from {start} to {end}{' (in its lengths)' if scaled else ''}"
 
 
 def _ellipse(statement: Statement, test: Near, others: list[str]) -> str:

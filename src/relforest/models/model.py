@@ -128,8 +128,9 @@ class Model:
         """
         if isinstance(self.learned, Tree):
             return self.learned
-        msg = f"the model is of kind {self.kind!r}, but drawings and paths are those of a single tree"
-        raise InputError(msg)
+        raise InputError(
+            f"the model is of kind {self.kind!r}, but drawings and paths are those of a single tree"
+        )
 
     @property
     def text(self) -> str:

@@ -14,7 +14,7 @@ from relforest.trees.kernels import ERROR, NO, YES, answer_tuples
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.packing import pack_question
 from relforest.trees.probabilities import Assignment
-from relforest.trees.sequences import Sequences, n_extensions
+from relforest.trees.sequences import Sequences, n_extensions, rows_of
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
 from relforest.trees.structure import MAX_VARIABLES
 
@@ -50,7 +50,6 @@ class Arrivals:
     places: NDArray[np.int64]
     mappings: tuple[Mapping, ...]
     sequences: Sequences
-    _extended: list[Sequences] = field(init=False, default_factory=list)
 
     def expansions(self) -> Iterator[Expansion]:
         """Yield all expansions of the leaf, fewest new variables first."""
@@ -73,14 +72,12 @@ class Arrivals:
         n = n_extensions(sequences.scene, sequences.objects, self.scenes.counts, self.places, n_new)
         return sequences.ratio * n
 
-    def extended(self, n_new: int, most: int) -> Sequences | None:
-        """Return the sequences with so many more variables; None if there are more than `most`."""
-        known = self._extended or [self.sequences]
-        # Step by step: there may be no expansion with fewer new variables, if no mapping takes so few.
-        while len(known) <= n_new and not self._too_many(known[-1], most):
+    def extended(self, n_new: int, most: int) -> list[Sequences]:
+        """Return the sequences with 0 to `n_new` more variables, as far as there are not more than `most`."""
+        known = [self.sequences]
+        while len(known) <= n_new and replace(self, sequences=known[-1]).size(1) <= most:
             known.append(known[-1].extended(self.scenes.counts, self.places))
-        self._extended[:] = known
-        return known[n_new] if n_new < len(known) else None
+        return known
 
     def drawn(self, n_new: int, most: int, rng: np.random.Generator) -> list[Sequences]:
         """Return the sequences with 0 to `n_new` more variables, samples where there are more than `most`."""
@@ -88,12 +85,6 @@ class Arrivals:
         while len(drawn) <= n_new:
             drawn.append(drawn[-1].drawn(self.scenes.counts, self.places, most, rng))
         return drawn
-
-    def _too_many(self, sequences: Sequences, most: int) -> bool:
-        if sequences.depth == MAX_VARIABLES:
-            return True
-        n = n_extensions(sequences.scene, sequences.objects, self.scenes.counts, self.places, 1)
-        return n > most
 
 
 @final
@@ -124,25 +115,26 @@ class PreparedQuestion:
 
     def presence(self, volume: Volume) -> NDArray[np.bool_]:
         """Which scenes would arrive at the Yes, No and Error leaf, (3, n_scenes), by these sequences."""
-        return self._answered(volume, self.asked)[1]
+        answers = self._answers(volume, self.asked)
+        present = np.zeros((3, len(self.scenes)), dtype=np.bool_)
+        present[answers, self.asked.scene] = True
+        return present
 
     def partition(self, volume: Volume) -> tuple[Sequences, Sequences, Sequences]:
         """The sequences that go to the Yes, No and Error leaf."""
         objects = self.sequences.objects.take(self.expansion.variables, axis=1)
-        answers, _ = self._answered(volume, Sequences(self.sequences.scene, objects))
+        answers = self._answers(volume, Sequences(self.sequences.scene, objects))
         yes, no, error = (self.sequences.where(answers == answer) for answer in (YES, NO, ERROR))
         return yes, no, error
 
-    def _answered(self, volume: Volume, asked: Sequences) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
-        """Return the answer to each tuple, and which answers every scene has, (3, n_scenes)."""
+    def _answers(self, volume: Volume, asked: Sequences) -> NDArray[np.int8]:
+        """Return the answer to each tuple."""
         mapping, scenes = self.expansion.mapping, self.scenes
         question = Question(mapping, tuple(range(mapping.arity)), volume, 0, 0, 0)
         nodes, numbers = pack_question(scenes.schema, question)
         answers = np.empty(len(asked), dtype=np.int8)
-        present = np.zeros((3, len(scenes)), dtype=np.bool_)
-        parts = (scenes.rows, scenes.starts, scenes.matrix)
-        answer_tuples(nodes, numbers, parts, (asked.scene, asked.objects), answers, present)
-        return answers, present
+        answer_tuples(nodes, numbers, scenes.matrix, rows_of(scenes, asked), answers)
+        return answers
 
 
 @final

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from abc import ABC
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Self, final, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, final, get_args
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
@@ -14,7 +14,6 @@ from relforest.scenes.batch import checked_scenes
 from relforest.scenes.ids import plain
 from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
-from relforest.support.masks import refuse_masked
 from relforest.support.numerals import probability
 from relforest.support.options import one_of
 from relforest.support.progress import printed_to_stderr
@@ -24,12 +23,10 @@ from relforest.trees.growth import grow_best
 from relforest.trees.inference import query
 from relforest.trees.nodes import ClassLeaf, MeanLeaf, variable_name
 from relforest.trees.settings import SearchName, Test, TreeSettings
-from relforest.trees.weights import ClassWeight, class_weights, scene_weights
+from relforest.trees.weights import ClassWeight, class_weights, real_values, scene_weights
 from relforest.volumes.settings import CovAggSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
@@ -77,14 +74,49 @@ class Explanation:
         return f"scene {self.scene}: {found}, {bound or 'no objects'}"
 
 
+class _Wanted(NamedTuple):
+    """The targets of which the one that explains most is kept, without the scenes of weight 0."""
+
+    targets: list[Target]
+    weights: NDArray[np.float64] | None  # of all scenes
+    classes: NDArray[Any] | None = None
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
 class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
-    """What the estimators share; subclasses have the options of `TreeSettings` and a few of their own."""
+    """The options of `TreeSettings` and a few more, and the fit."""
 
-    def _grow(self, scenes: Scenes, targets: Sequence[Target], weights: NDArray[np.float64] | None) -> None:
-        """Learn `tree_` from the scenes with a weight, for the target that explains most of them.
+    test: Test = "likelihood-ratio"
+    search: SearchName = "screened"
+    alpha: float = 0.05
+    attempts: int = 3
+    permutations: int = 99
+    max_points: int = 100_000
+    covagg: CovAggSettings | None = None
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
-        Each target stands for the same facts.
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn a tree.
+
+        Parameters
+        ----------
+        scenes : Scenes
+        y : array-like (n_scenes,)
+            Aligned with ``scenes.scene_ids``: labels that are whole numbers, booleans or strings; for a
+            regressor, finite numbers.
+        sample_weight : array-like (n_scenes,), optional
+            Weights, of which only the proportions count; scenes of weight 0 are left out.
+
+        Raises
+        ------
+        InputError
+            If targets or weights do not match the scenes, labels are not of at least two classes, a number is
+            not finite or all are equal, a weight is negative or not finite or all are zero, or a parameter is
+            out of range.
         """
+        wanted = self._wanted(y, len(checked_scenes(scenes)), sample_weight)
         if not isinstance(self.covagg, CovAggSettings | None):
             raise InputError(f"covagg must be CovAggSettings(...) or None, got {self.covagg!r}")
         settings = TreeSettings(
@@ -97,13 +129,20 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
             covagg=self.covagg or CovAggSettings(),
         )
         rng = generator(seed_sequence(self.random_state))
-        kept = scenes if weights is None else scenes.take(np.flatnonzero(weights > 0))
+        kept = scenes if wanted.weights is None else scenes.take(np.flatnonzero(wanted.weights > 0))
         with printed_to_stderr(self.verbose):
-            growth = grow_best(kept, targets, rng=rng, settings=settings)
+            growth = grow_best(kept, wanted.targets, rng=rng, settings=settings)
         self.tree_: Tree = growth.tree
         self.steps_: tuple[Step, ...] = growth.steps
         self.n_left_out_: int = growth.n_left_out
         self.n_sampled_: int = growth.n_sampled
+        if wanted.classes is not None:
+            self.classes_: NDArray[Any] = wanted.classes
+        return self
+
+    @abstractmethod
+    def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Wanted:
+        """Check what is to be learned."""
 
     def apply(self, scenes: Scenes) -> NDArray[np.int64]:
         """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
@@ -117,6 +156,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
     """Probabilistic, existential decision tree over scenes.
 
@@ -190,64 +230,19 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         no: 0.00  (0 of 24 scenes positive)
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        test: Test = "likelihood-ratio",
-        search: SearchName = "screened",
-        alpha: float = 0.05,
-        attempts: int = 3,
-        permutations: int = 99,
-        max_points: int = 100_000,
-        covagg: CovAggSettings | None = None,
-        class_weight: ClassWeight = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.test = test
-        self.search = search
-        self.alpha = alpha
-        self.attempts = attempts
-        self.permutations = permutations
-        self.max_points = max_points
-        self.covagg = covagg
-        self.class_weight = class_weight
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    class_weight: ClassWeight = None
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn a tree.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : array-like (n_scenes,)
-            Whole numbers, booleans or strings, aligned with ``scenes.scene_ids``.
-        sample_weight : array-like (n_scenes,), optional
-            Weights, of which only the proportions count; scenes of weight 0 are left out.
-
-        Raises
-        ------
-        InputError
-            If the labels or weights do not match the scenes, labels are not of at least two classes, a
-            weight is negative or not finite or all are zero, or a parameter is out of range.
-        """
-        classes, codes = class_labels(y, len(checked_scenes(scenes)), what="scenes")
-        weights = scene_weights(sample_weight, len(scenes))
+    def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Wanted:
+        classes, codes = class_labels(y, n, what="scenes")
+        weights = scene_weights(sample_weight, n)
         by_class = class_weights(self.class_weight, classes, codes, weights)
         if by_class is not None:
-            weights = scene_weights(by_class[codes] * (1.0 if weights is None else weights), len(scenes))
+            weights = scene_weights(by_class[codes] * (1.0 if weights is None else weights), n)
         kept = slice(None) if weights is None else weights > 0
         positive = None if weights is None else weights[kept]
         if len(classes) == 2:
-            target = Target.binary(codes[kept] == 1, positive)
-        else:
-            target = Target.classes(codes[kept], len(classes), positive)
-        self._grow(scenes, [target], weights)
-        self.classes_: NDArray[Any] = classes
-        return self
+            return _Wanted([Target.binary(codes[kept] == 1, positive)], weights, classes)
+        return _Wanted([Target.classes(codes[kept], len(classes), positive)], weights, classes)
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
         """Probability of each class, shape (n_scenes, n_classes)."""
@@ -269,43 +264,20 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # scikit-learn is untyped
     """Existential regression tree over scenes: each leaf predicts the mean of its training scenes.
 
     Of all leaves that a scene reaches, one end decides: the one with the highest mean, as the most probable
     one does in a classifier, or the one with the lowest. What exists in a scene raises the prediction in the
-    first case and lowers it in the second.
+    first case and lowers it in the second. Other parameters are those of `SMRFTreeClassifier`, without
+    ``class_weight``.
 
     Parameters
     ----------
     decides : {"highest", "lowest", "either"}, default "either"
         Which leaf decides. With "either", a tree of each kind is grown, each at its share of `alpha`, and the
         one under which the targets are more likely is kept.
-    test : {"likelihood-ratio", "permutation"}, default "likelihood-ratio"
-        Significance test of questions. The likelihood ratio test is that of the source and fast, but accepts
-        questions on pure noise more often than `alpha`; the permutation test keeps its level.
-    search : {"screened", "exhaustive"}, default "screened"
-        How the best question is found. The exhaustive search is that of the source: all possible questions
-        on all scenes. The screened search tries them on a few scenes, then the best on all; it is about ten
-        times faster.
-    alpha : float, default 0.05
-        Significance level.
-    attempts : int, default 3
-        Number of attempts at each possible question (in the screened search at the best of them).
-    permutations : int, default 99
-        Number of permutations in the permutation test.
-    max_points : int, default 100_000
-        Of expansions with more instantiation sequences, the screened search looks at a sample of so many,
-        and leaves out those with over a hundred times more; the exhaustive search leaves out all of them.
-    covagg : CovAggSettings or None, default None
-        How volumes are learned, and their shape; by default as published. See
-        `relforest.volumes.CovAggSettings`.
-    random_state : int, Generator, RandomState, SeedSequence or None, default None
-        Seed; an integer makes `fit` reproducible.
-    n_jobs : int, default 1
-        Number of threads for prediction; -1 for all cores. Does not affect the result.
-    verbose : bool, default False
-        Whether `fit` prints to standard error what it is doing, at most one line a second.
 
     Attributes
     ----------
@@ -335,52 +307,11 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         no: mean 4.98  (deviation 0.0871, 21 scenes)
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        decides: Decides = "either",
-        test: Test = "likelihood-ratio",
-        search: SearchName = "screened",
-        alpha: float = 0.05,
-        attempts: int = 3,
-        permutations: int = 99,
-        max_points: int = 100_000,
-        covagg: CovAggSettings | None = None,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.decides = decides
-        self.test = test
-        self.search = search
-        self.alpha = alpha
-        self.attempts = attempts
-        self.permutations = permutations
-        self.max_points = max_points
-        self.covagg = covagg
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    decides: Decides = "either"
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn a tree.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : array-like (n_scenes,)
-            Finite numbers, aligned with ``scenes.scene_ids``.
-        sample_weight : array-like (n_scenes,), optional
-            Weights, of which only the proportions count; scenes of weight 0 are left out.
-
-        Raises
-        ------
-        InputError
-            If targets or weights do not match the scenes, a target is not finite or all are equal, a weight
-            is negative or not finite or all are zero, or a parameter is out of range.
-        """
-        values = _numbers(y, len(checked_scenes(scenes)))
-        weights = scene_weights(sample_weight, len(scenes))
+    def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Wanted:
+        values = real_values(y, n, otherwise="use SMRFTreeClassifier for classes")
+        weights = scene_weights(sample_weight, n)
         kept = slice(None) if weights is None else weights > 0
         one_of("decides", self.decides, get_args(Decides))
         targets = [
@@ -388,8 +319,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
             for lowest in (False, True)
             if self.decides in {"either", "lowest" if lowest else "highest"}
         ]
-        self._grow(scenes, targets, weights)
-        return self
+        return _Wanted(targets, weights)
 
     def predict(self, scenes: Scenes) -> NDArray[np.float64]:
         """Mean of the deciding leaf of each scene, shape (n_scenes,)."""
@@ -415,17 +345,3 @@ def explain(tree: Tree, scenes: Scenes) -> list[Explanation]:
             Explanation(plain(scenes.scene_ids[i]), node.prediction, int(leaf), witnesses, densities, said)
         )
     return explanations
-
-
-def _numbers(y: ArrayLike, n_expected: int) -> NDArray[np.float64]:
-    """Return real targets."""
-    refuse_masked(y, "y")
-    try:
-        values = np.asarray(y, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError("targets must be numbers: use SMRFTreeClassifier for classes") from error
-    if values.shape != (n_expected,):
-        raise InputError(
-            f"got targets of shape {values.shape} for {n_expected} scenes: give one number for each"
-        )
-    return values

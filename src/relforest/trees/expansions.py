@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -12,24 +11,12 @@ if TYPE_CHECKING:
     from relforest.mappings import Mapping
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class Expansion:
-    """Zero or more instantiations followed by one question.
+class Expansion(NamedTuple):
+    """Zero or more instantiations followed by one question."""
 
-    Parameters
-    ----------
-    n_new : int
-        Number of new instantiation nodes.
-    mapping : Mapping
-        Mapping function of the question.
-    variables : tuple of int
-        The variables it takes, in order.
-    """
-
-    n_new: int
+    n_new: int  # instantiation nodes
     mapping: Mapping
-    variables: tuple[int, ...]
+    variables: tuple[int, ...]  # that the mapping takes, in order
 
 
 def expansions(mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int) -> Iterator[Expansion]:

@@ -146,8 +146,7 @@ def grow(
     """
     shape = (len(target),) if isinstance(target, Target) else target.shape
     if len(scenes) == 0 or shape != (len(scenes),):
-        msg = f"pass at least one scene and one label for each: got {len(scenes)} and {shape}"
-        raise InputError(msg)
+        raise InputError(f"pass at least one scene and one label for each: got {len(scenes)} and {shape}")
     if not isinstance(target, Target):
         target = Target.binary(target)
     state = _State(

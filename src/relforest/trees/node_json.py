@@ -86,16 +86,18 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
     if kind == "question":
         name = document["attribute"]
         if name not in attributes:
-            msg = f"unknown attribute {reprlib.repr(name)}: the schema has {reprlib.repr(tuple(attributes))}"
-            raise ModelFormatError(msg)
+            raise ModelFormatError(
+                f"unknown attribute {reprlib.repr(name)}: the schema has {reprlib.repr(tuple(attributes))}"
+            )
         mapping = Mapping(document["operation"], attributes[name])
         variables = tuple(_whole(variable) for variable in document["variables"])
         yes, no, error = (_whole(document[answer]) for answer in ("yes", "no", "error"))
         bounds = tuple(map(_bounds_from_list, document.get("bounds", [])))
         volume = volume_from_dict(document["volume"])
         return Question(mapping, variables, volume, yes, no, error, bounds)
-    msg = f"unknown node kind {reprlib.repr(kind)}: expected leaf, instantiation or question"
-    raise ModelFormatError(msg)
+    raise ModelFormatError(
+        f"unknown node kind {reprlib.repr(kind)}: expected leaf, instantiation or question"
+    )
 
 
 def _bounds_to_list(bounds: Bounds) -> list[float | None]:
@@ -120,24 +122,22 @@ def _class_leaf(document: dict[str, Any]) -> ClassLeaf:
     counts = _counts(document["negatives"], *document["counts"])
     negatives, counts = counts[0], counts[1:]
     if not (len(shares) == len(counts) >= 2 and abs(sum(shares) - 1.0) <= _ROUNDING):
-        msg = f"malformed leaf: shares {reprlib.repr(shares)} of counts {reprlib.repr(counts)}"
-        raise ModelFormatError(msg)
+        raise ModelFormatError(
+            f"malformed leaf: shares {reprlib.repr(shares)} of counts {reprlib.repr(counts)}"
+        )
     if negatives not in counts:
-        msg = f"malformed leaf: no class has {negatives} scenes"
-        raise ModelFormatError(msg)
+        raise ModelFormatError(f"malformed leaf: no class has {negatives} scenes")
     return ClassLeaf(order, negatives, sum(counts) - negatives, shares, counts)
 
 
 def _counts(*values: object) -> tuple[int, ...]:
     counts = tuple(_whole(value) for value in values)
     if not 0 <= min(counts) <= max(counts) <= MAX_COUNT:
-        msg = f"malformed leaf: counts {reprlib.repr(list(counts))}"
-        raise ModelFormatError(msg)
+        raise ModelFormatError(f"malformed leaf: counts {reprlib.repr(list(counts))}")
     return counts
 
 
 def _whole(value: object) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        msg = f"expected a whole number, got {reprlib.repr(value)}"
-        raise ModelFormatError(msg)
+        raise ModelFormatError(f"expected a whole number, got {reprlib.repr(value)}")
     return value

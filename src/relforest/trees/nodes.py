@@ -31,6 +31,11 @@ class AnyLeaf(ABC):
     positives: int
 
     @property
+    def n_scenes(self) -> int:
+        """Training scenes decided by this leaf."""
+        return self.negatives + self.positives
+
+    @property
     def prediction(self) -> float:
         """What the leaf predicts as a number: the probability, or the mean of real targets."""
         return self.probability
@@ -67,8 +72,7 @@ class Leaf(AnyLeaf):
     @property
     def counts_in_words(self) -> str:
         """The positive scenes of all."""
-        total = self.negatives + self.positives
-        return f"{self.positives} of {counted(total, 'scene')} positive"
+        return f"{self.positives} of {counted(self.n_scenes, 'scene')} positive"
 
 
 @final

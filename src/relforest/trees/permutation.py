@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from relforest.support.progress import part
-from relforest.trees.candidates import Candidate, OpenLeaf
-from relforest.trees.search import LeafSearch, SearchSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from relforest.trees.candidates import Candidate, OpenLeaf
     from relforest.trees.criterion import Target
-
-
-class PermutationSettings(SearchSettings, Protocol):
-    """The part of `TreeSettings` that the test needs."""
-
-    @property
-    def alpha(self) -> float:
-        """Significance level."""
-        ...
-
-    @property
-    def permutations(self) -> int:
-        """Number of shuffles."""
-        ...
+    from relforest.trees.search import LeafSearch
+    from relforest.trees.settings import TreeSettings
 
 
 def permutation_p(
@@ -36,7 +23,7 @@ def permutation_p(
     search: LeafSearch,
     target: Target,
     at: OpenLeaf,
-    settings: PermutationSettings,
+    settings: TreeSettings,
     rng: np.random.Generator,
 ) -> float:
     """Return the p-value of the best candidate under shuffled labels.

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Protocol, final
+from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
 
 from relforest.support.progress import report
 from relforest.trees.bags import bags_of
 from relforest.trees.candidates import Arrivals, Candidate, OpenLeaf, PreparedQuestion
-from relforest.trees.settings import SearchName
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
 from relforest.volumes import CovAggSettings, aggregate
 from relforest.volumes.covagg import best_score
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from relforest.trees.criterion import Target
     from relforest.trees.expansions import Expansion
     from relforest.trees.sequences import Sequences
+    from relforest.trees.settings import SearchName, TreeSettings
 
 
 # Beyond so many sequences for each of `max_points`, answering a question once would take minutes.
@@ -32,88 +32,46 @@ _LARGEST_RATIO: Final = 100
 _MANY_POINTS: Final = 8_000
 
 
-class SearchSettings(Protocol):
-    """The part of `TreeSettings` that the search needs."""
-
-    @property
-    def attempts(self) -> int:
-        """Tries per expansion."""
-        ...
-
-    @property
-    def max_points(self) -> int:
-        """Most instantiation sequences of an expansion that are looked at."""
-        ...
-
-    @property
-    def covagg(self) -> CovAggSettings:
-        """Parameters of covariant aggregation."""
-        ...
-
-
-class LeafSearch(Protocol):
-    """A search at one leaf, for any target: a permutation test repeats it."""
-
-    @property
-    def n_left_out(self) -> int:
-        """Expansions that are not tried."""
-        ...
-
-    @property
-    def n_sampled(self) -> int:
-        """Expansions of which only a sample of the instantiation sequences is searched."""
-        ...
-
-    def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
-        """The most significant volume over all questions; None if no volume separates anything."""
-        ...
-
-
-class Search(Protocol):
-    """A way to search."""
-
-    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> LeafSearch:
-        """Prepare the search at a leaf."""
-        ...
-
-
 @final
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Exhaustive:
-    """Aggregate every question on all scenes, several times.
+    """Aggregates every question at a leaf on all scenes, several times.
 
-    Expansions with too many instantiation sequences are left out.
+    Parameters
+    ----------
+    questions : list of PreparedQuestion
+    settings : TreeSettings
+    n_left_out : int
+        Expansions that are not tried, having too many instantiation sequences.
+    n_sampled : int
+        Expansions of which only a sample of the sequences is searched: none.
 
     References
     ----------
     Palmer (2015), Algorithm 4.1.
     """
 
-    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> ExhaustiveLeaf:  # noqa: ARG002
+    questions: list[PreparedQuestion]
+    settings: TreeSettings
+    n_left_out: int
+    n_sampled: int = 0
+
+    @classmethod
+    def at(cls, arrivals: Arrivals, settings: TreeSettings, rng: np.random.Generator) -> Exhaustive:  # noqa: ARG003
         """Map the points of all questions."""
         questions: list[PreparedQuestion] = []
         n_left_out = 0
+        most = max((expansion.n_new for expansion in arrivals.expansions()), default=0)
+        sequences = arrivals.extended(most, settings.max_points)
         for expansion in arrivals.expansions():
             report("expansions prepared", len(questions))
-            sequences = arrivals.extended(expansion.n_new, settings.max_points)
-            if sequences is None:
+            if expansion.n_new >= len(sequences):
                 n_left_out += 1
                 continue
-            question = PreparedQuestion(arrivals.scenes, expansion, sequences)
+            question = PreparedQuestion(arrivals.scenes, expansion, sequences[expansion.n_new])
             if len(question.bags.points):
                 questions.append(question)
-        return ExhaustiveLeaf(questions, settings, n_left_out)
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ExhaustiveLeaf:
-    """The questions at a leaf, each with all its points."""
-
-    questions: list[PreparedQuestion]
-    settings: SearchSettings
-    n_left_out: int
-    n_sampled: int = 0
+        return cls(questions, settings, n_left_out)
 
     def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
         """Try each question so many times."""
@@ -125,33 +83,25 @@ class ExhaustiveLeaf:
         return None if best is None else best.among(len(self.questions) * self.settings.attempts)
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class Round:
-    """One round of a screening.
+class Round(NamedTuple):
+    """One round of a screening."""
 
-    Parameters
-    ----------
-    n_scenes : int
-        Scenes drawn.
-    max_points : int
-        Most instantiation sequences of the scenes drawn that an expansion looks at.
-    n_kept : int
-        Questions that stay.
-    covagg : CovAggSettings
-        Parameters of covariant aggregation on the scenes drawn; shape and learner are those of the tree.
-    """
+    n_scenes: int  # drawn
+    max_points: int  # most instantiation sequences of the scenes drawn that an expansion looks at
+    n_kept: int  # questions that stay
+    covagg: CovAggSettings  # on the scenes drawn; shape and learner are those of the tree
 
-    n_scenes: int
-    max_points: int
-    n_kept: int
-    covagg: CovAggSettings
+
+ROUNDS: Final = (
+    Round(120, 3_000, 16, CovAggSettings(window=4, restarts=2, sampled=2)),
+    Round(240, 12_000, 4, CovAggSettings(window=4, restarts=4, sampled=2)),
+)
 
 
 @final
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Screened:
-    """Aggregate every question on a few scenes with little effort, and the few best of them on all scenes.
+    """Aggregates every question on a few scenes with little effort, and the few best of them on all scenes.
 
     In each round the scenes are drawn anew from those that the leaf decides, as many of each class as
     possible: what other leaves decide, they explain already, and to find it again would be no gain. A
@@ -165,48 +115,41 @@ class Screened:
 
     Parameters
     ----------
+    arrivals : Arrivals
+    expansions : list of Expansion
+    full : list of Sequences
+        The sequences on which the best questions are tried, by number of new variables.
+    settings : TreeSettings
+    n_left_out, n_sampled : int
+        See `Exhaustive`.
     rounds : tuple of Round
         The first ones are left out where there are no more questions than they would keep. The last should
         see all pairs of objects of ordinary scenes: a sample of them misses what few pairs show, such as
         that two objects are far apart.
     """
 
-    rounds: tuple[Round, ...] = (
-        Round(120, 3_000, 16, CovAggSettings(window=4, restarts=2, sampled=2)),
-        Round(240, 12_000, 4, CovAggSettings(window=4, restarts=4, sampled=2)),
-    )
-
-    def at(self, arrivals: Arrivals, settings: SearchSettings, rng: np.random.Generator) -> ScreenedLeaf:
-        """Count the instantiation sequences, and draw them for the expansions that have too many."""
-        expansions: list[Expansion] = []
-        n_left_out = n_sampled = 0
-        sizes: dict[int, float] = {}
-        for expansion in arrivals.expansions():
-            size = sizes.get(expansion.n_new)
-            if size is None:
-                size = sizes[expansion.n_new] = arrivals.size(expansion.n_new)
-            if size > _LARGEST_RATIO * settings.max_points:
-                n_left_out += 1
-                continue
-            n_sampled += int(size > settings.max_points)
-            expansions.append(expansion)
-        most = max((expansion.n_new for expansion in expansions), default=-1)
-        full = arrivals.drawn(most, settings.max_points, rng)
-        return ScreenedLeaf(self, arrivals, expansions, full, settings, n_left_out, n_sampled)
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ScreenedLeaf:
-    """The questions at a leaf, and the sequences on which the best of them are tried."""
-
-    plan: Screened
     arrivals: Arrivals
     expansions: list[Expansion]
     full: list[Sequences]
-    settings: SearchSettings
+    settings: TreeSettings
     n_left_out: int
     n_sampled: int
+    rounds: tuple[Round, ...] = ROUNDS
+
+    @classmethod
+    def at(cls, arrivals: Arrivals, settings: TreeSettings, rng: np.random.Generator) -> Screened:
+        """Count the instantiation sequences, and draw them for the expansions that have too many."""
+        sizes = {n_new: arrivals.size(n_new) for n_new in {each.n_new for each in arrivals.expansions()}}
+        kept = [
+            each
+            for each in arrivals.expansions()
+            if sizes[each.n_new] <= _LARGEST_RATIO * settings.max_points
+        ]
+        n_left_out = sum(1 for _ in arrivals.expansions()) - len(kept)
+        n_sampled = sum(sizes[expansion.n_new] > settings.max_points for expansion in kept)
+        most = max((expansion.n_new for expansion in kept), default=-1)
+        full = arrivals.drawn(most, settings.max_points, rng)
+        return cls(arrivals, kept, full, settings, n_left_out, n_sampled)
 
     def best(self, target: Target, at: OpenLeaf, rng: np.random.Generator) -> Candidate | None:
         """Screen all questions and try the best."""
@@ -235,7 +178,7 @@ class ScreenedLeaf:
         arriving = self.arrivals.sequences.scenes
         scenes = arriving[at.assignment.winner[arriving] == at.leaf]
         promising, n_questions = self.expansions, None
-        *first, last = self.plan.rounds
+        *first, last = self.rounds
         for plan in (*(plan for plan in first if len(promising) > plan.n_kept), last):
             promising, n = self._ranked(promising, scenes, plan, target, rng)
             n_questions = n if n_questions is None else n_questions
@@ -285,8 +228,11 @@ class ScreenedLeaf:
         return [expansions[number] for *_, number in sorted(ranked)[: plan.n_kept]], n_questions
 
 
-SEARCHES: Final[MappingProxyType[SearchName, Search]] = MappingProxyType(
-    {"screened": Screened(), "exhaustive": Exhaustive()}
+LeafSearch = Screened | Exhaustive
+"""A search at one leaf, for any target: a permutation test repeats it."""
+
+SEARCHES: Final[MappingProxyType[SearchName, type[LeafSearch]]] = MappingProxyType(
+    {"screened": Screened, "exhaustive": Exhaustive}
 )
 
 

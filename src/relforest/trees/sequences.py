@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from relforest.scenes.arrays import gather
 from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
-
-# A table of so many times as many numbers as there are sequences is still faster than sorting them.
-_TABLE: Final = 64
 
 
 @final
@@ -73,10 +71,8 @@ class Sequences:
             object" if there is none.
         """
         n = int(n_extensions(self.scene, self.objects, counts, arguments, 1))
-        scene = np.empty(n, dtype=np.int64)
-        objects = np.empty((n, self.depth + 1), dtype=np.int64)
-        _extend((self.scene, self.objects), counts, arguments, scene, objects)
-        return Sequences(scene, objects, self.ratio)
+        # As many as there are of each scene, so that nothing is drawn.
+        return replace(self._drawn(counts, arguments, np.empty((0, n)), n), ratio=self.ratio)
 
     def drawn(
         self,
@@ -96,25 +92,37 @@ class Sequences:
             return self.extended(counts, arguments)
         n_scenes = len(self.scenes)
         uniform = rng.random((n_scenes, max(most // n_scenes, 1)))
-        scene = np.empty(uniform.size, dtype=np.int64)
-        objects = np.empty((uniform.size, self.depth + 1), dtype=np.int64)
-        drawn = _draw((self.scene, self.objects), counts, arguments, uniform, scene, objects)
-        return Sequences(scene[:drawn], objects[:drawn], self.ratio * n / drawn)
+        drawn = self._drawn(counts, arguments, uniform, uniform.size)
+        return replace(drawn, ratio=self.ratio * n / len(drawn))
 
     def distinct(self, variables: tuple[int, ...]) -> Sequences:
         """Return the distinct tuples of `variables` in each scene, in order of position."""
+        objects = self.objects.take(variables, axis=1)
         if len(variables) == self.depth:
-            return Sequences(self.scene, self.objects.take(variables, axis=1))
-        scene = np.empty(len(self), dtype=np.int64)
-        objects = np.empty((len(self), len(variables)), dtype=np.int64)
-        n = _distinct((self.scene, self.objects), np.array(variables, dtype=np.int64), scene, objects)
+            return Sequences(self.scene, objects)
+        objects = objects[np.lexsort((*objects.T[::-1], self.scene))]
+        is_new = np.diff(self.scene, prepend=-1) > 0
+        is_new[1:] |= (objects[1:] != objects[:-1]).any(axis=1)
+        return Sequences(self.scene[is_new], objects[is_new])
+
+    def _drawn(
+        self, counts: NDArray[np.int64], arguments: NDArray[np.int64], uniform: NDArray[np.float64], most: int
+    ) -> Sequences:
+        """Return up to `most` extensions, drawn with the numbers (n_scenes, n) of their scene."""
+        scene = np.empty(most, dtype=np.int64)
+        objects = np.empty((most, self.depth + 1), dtype=np.int64)
+        n = _draw((self.scene, self.objects), counts, arguments, uniform, scene, objects)
         return Sequences(scene[:n], objects[:n])
 
 
 def argument_places(scenes: Scenes) -> NDArray[np.int64]:
     """Return the position of every action argument in its scene, (n_scenes, k); -1 = none."""
-    places = np.full(scenes.arguments.shape, -1, dtype=np.int64)
-    _find_places((scenes.rows, scenes.starts, scenes.counts), scenes.arguments, places)
+    counts, places = scenes.counts, np.full(scenes.arguments.shape, -1, dtype=np.int64)
+    scene = np.repeat(np.arange(len(counts)), counts)
+    place = np.arange(len(scene)) - (np.cumsum(counts) - counts)[scene]
+    objects = gather(scenes.rows, scenes.starts, counts)
+    found, argument = np.nonzero(objects[:, None] == scenes.arguments[scene])
+    places[scene[found], argument] = place[found]
     return places
 
 
@@ -166,39 +174,6 @@ def _is_new(objects: NDArray[np.int64], i: int, j: int) -> int:
 
 
 @kernel
-def _extend(
-    sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
-    counts: NDArray[np.int64],
-    arguments: NDArray[np.int64],
-    new_scene: NDArray[np.int64],
-    new_objects: NDArray[np.int64],
-) -> None:
-    scene, objects = sequences
-    depth = objects.shape[1]
-    n = 0
-    for i in range(len(scene)):
-        first = n
-        if depth < arguments.shape[1]:
-            new_objects[n, depth] = arguments[scene[i], depth]
-            n += 1
-        else:
-            for place in range(counts[scene[i]]):
-                repeated = False
-                for j in range(depth):
-                    repeated |= objects[i, j] == place
-                if not repeated:
-                    new_objects[n, depth] = place
-                    n += 1
-            if n == first:
-                new_objects[n, depth] = -1
-                n += 1
-        for k in range(first, n):
-            new_scene[k] = scene[i]
-            for j in range(depth):
-                new_objects[k, j] = objects[i, j]
-
-
-@kernel
 def _draw(
     sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
     counts: NDArray[np.int64],
@@ -207,7 +182,10 @@ def _draw(
     new_scene: NDArray[np.int64],
     new_objects: NDArray[np.int64],
 ) -> int:
-    """Draw extensions with the numbers of a row of `uniform` for each scene; how many in all."""
+    """Draw extensions with the numbers of a row of `uniform` for each scene; how many in all.
+
+    Of a scene that has no more of them than the row has numbers, all are written.
+    """
     scene, objects = sequences
     depth = objects.shape[1]
     n, begin, row = 0, 0, 0
@@ -249,91 +227,3 @@ def _free_object(bound: NDArray[np.int64], number: int) -> int:
             is_free &= other != place
         number -= is_free
     return place
-
-
-@kernel
-def _distinct(
-    sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
-    variables: NDArray[np.int64],
-    scene: NDArray[np.int64],
-    objects: NDArray[np.int64],
-) -> int:
-    """Write the distinct tuples of some variables into `scene` and `objects`; how many there are."""
-    scenes, bound = sequences
-    base, n_scenes, n_numbers = 1, 0, 1.0
-    for i in range(len(scenes)):
-        n_scenes += i == 0 or scenes[i] != scenes[i - 1]
-        for variable in variables:
-            base = max(base, bound[i, variable] + 2)
-    for _ in variables:
-        n_numbers *= base
-    size = n_numbers if n_numbers * n_scenes <= _TABLE * len(scenes) else 0.0
-    seen = np.zeros(8 * int(np.ceil(size / 8.0)), dtype=np.uint8)
-    table = (seen, seen.view(np.uint64), np.empty(len(seen), dtype=np.int64))
-    n, begin = 0, 0
-    while begin < len(scenes):
-        end = begin
-        while end < len(scenes) and scenes[end] == scenes[begin]:
-            end += 1
-        chosen = _first_of_each(bound[begin:end], variables, base, table)
-        for i in chosen:
-            scene[n] = scenes[begin]
-            for j in range(len(variables)):
-                objects[n, j] = bound[begin + i, variables[j]]
-            n += 1
-        begin = end
-    return n
-
-
-@kernel
-def _first_of_each(
-    objects: NDArray[np.int64],
-    variables: NDArray[np.int64],
-    base: int,
-    table: tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.int64]],
-) -> NDArray[np.int64]:
-    """Return a sequence of one scene for each distinct tuple, in order of the tuples.
-
-    `table` says for every number below `base` ** arity whether it was seen, the same for eight numbers at
-    once, and in which sequence; it is left as it was found, and empty if sorting is faster.
-    """
-    seen, eight, where = table
-    n = len(objects)
-    keys = np.zeros(n, dtype=np.int64)
-    for i in range(n):
-        for variable in variables:
-            keys[i] = keys[i] * base + objects[i, variable] + 1
-    chosen, kept = np.empty(n, dtype=np.int64), 0
-    if len(seen) == 0:
-        order = np.argsort(keys)
-        for i in range(n):
-            if i == 0 or keys[order[i]] != keys[order[i - 1]]:
-                chosen[kept] = order[i]
-                kept += 1
-        return chosen[:kept]
-    for i in range(n):
-        seen[keys[i]] = 1
-        where[keys[i]] = i
-    for group in range(len(eight)):
-        if eight[group] == 0:
-            continue
-        for key in range(8 * group, 8 * group + 8):
-            if seen[key]:
-                chosen[kept] = where[key]
-                kept += 1
-        eight[group] = 0
-    return chosen[:kept]
-
-
-@kernel
-def _find_places(
-    scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
-    arguments: NDArray[np.int64],
-    places: NDArray[np.int64],
-) -> None:
-    rows, starts, counts = scenes
-    for i in range(len(starts)):
-        for j in range(arguments.shape[1]):
-            for place in range(counts[i]):
-                if rows[starts[i] + place] == arguments[i, j]:
-                    places[i, j] = place

@@ -66,8 +66,7 @@ class TreeSettings:
         at_least("max_points", self.max_points, 1)
         # The slack allows for an alpha such as 1 / 49: its product with 49 is rounded below 1.
         if self.test == "permutation" and self.alpha * (self.permutations + 1) < 1.0 - 1e-9:
-            msg = (
+            raise InputError(
                 f"permutations={self.permutations} can never reach alpha={self.alpha}: "
                 f"use at least {math.ceil(1 / self.alpha - 1e-9) - 1}"
             )
-            raise InputError(msg)

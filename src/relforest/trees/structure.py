@@ -41,8 +41,7 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
         question does not fit the schema, its variables or its volume.
     """
     if not nodes:
-        msg = "a tree needs at least one node"
-        raise InputError(msg)
+        raise InputError("a tree needs at least one node")
     _check_size(schema, nodes)
     known = frozenset(schema.attributes)
     bound = [-1] * len(nodes)
@@ -50,33 +49,33 @@ def check_structure(schema: Schema, nodes: tuple[Node, ...]) -> tuple[list[int],
     bound[0], n_above = 0, 0
     for i, node in enumerate(nodes):
         if bound[i] < 0:
-            msg = f"node {i} has no parent before it: list the nodes in depth-first order"
-            raise InputError(msg)
+            raise InputError(f"node {i} has no parent before it: list the nodes in depth-first order")
         if isinstance(node, Question):
             _check_question(known, i, node, bound[i])
         path = (*above[i], i) if isinstance(node, Question) else above[i]
         if len(path) > MAX_DEPTH:
-            msg = f"node {i} is question number {len(path)} of its branch: at most {MAX_DEPTH} are allowed"
-            raise InputError(msg)
+            raise InputError(
+                f"node {i} is question number {len(path)} of its branch: at most {MAX_DEPTH} are allowed"
+            )
         for child in children(node):
             if not i < child < len(nodes) or bound[child] >= 0:
-                msg = f"node {i} points to node {child}: every node must have one parent, earlier in the list"
-                raise InputError(msg)
+                raise InputError(
+                    f"node {i} points to node {child}: every node must have one parent, earlier in the list"
+                )
             bound[child] = bound[i] + isinstance(node, Instantiation)
             if bound[child] > MAX_VARIABLES:
-                msg = (
+                raise InputError(
                     f"node {i} binds variable number {bound[child]} of its branch: "
                     f"at most {MAX_VARIABLES} are allowed"
                 )
-                raise InputError(msg)
             above[child] = path
         n_above += len(path)
         if n_above > MAX_ABOVE:
-            msg = f"the branches ask more than {MAX_ABOVE} questions in all: the tree is too large"
-            raise InputError(msg)
+            raise InputError(
+                f"the branches ask more than {MAX_ABOVE} questions in all: the tree is too large"
+            )
     if _preorder(nodes) != list(range(len(nodes))):
-        msg = "the nodes are not in depth-first order (Yes, No, Error)"
-        raise InputError(msg)
+        raise InputError("the nodes are not in depth-first order (Yes, No, Error)")
     return bound, above
 
 
@@ -100,34 +99,31 @@ def _check_size(schema: Schema, nodes: tuple[Node, ...]) -> None:
 
 def _check_most(what: str, count: int, most: int) -> None:
     if count > most:
-        msg = f"a tree with {count} {what} is too large: at most {most} are allowed"
-        raise InputError(msg)
+        raise InputError(f"a tree with {count} {what} is too large: at most {most} are allowed")
 
 
 def _check_question(known: frozenset[Attribute], index: int, node: Question, n_bound: int) -> None:
     mapping = node.mapping
     if mapping.attribute not in known:
-        msg = f"node {index} asks about {mapping.name}, but that attribute is not in the schema"
-        raise InputError(msg)
+        raise InputError(f"node {index} asks about {mapping.name}, but that attribute is not in the schema")
     used = node.variables
     if len(used) != mapping.arity or len(set(used)) != len(used) or not all(0 <= v < n_bound for v in used):
-        msg = (
+        raise InputError(
             f"node {index}: {mapping.name} needs {mapping.arity} different bound variables, "
             f"got {used} with {n_bound} bound"
         )
-        raise InputError(msg)
     if mapping.space == "category":
         _check_category(index, node)
     shape = "arc" if mapping.space == "circle" else "ellipsoid"
     fits = type(node.volume).__name__.lower() == shape or (isinstance(node.volume, Slab) and shape != "arc")
     if node.volume.dim != mapping.dim or not fits:
-        msg = f"node {index}: {mapping.name} needs an {shape} in {mapping.dim} dimension(s)"
-        raise InputError(msg)
+        raise InputError(f"node {index}: {mapping.name} needs an {shape} in {mapping.dim} dimension(s)")
     axes = [bounds.axis for bounds in node.bounds]
     dim = 0 if isinstance(node.volume, Arc) else mapping.dim
     if len(set(axes)) != len(axes) or not all(0 <= axis < dim for axis in axes):
-        msg = f"node {index}: its bounds must be about different coordinates of the {dim} that it has"
-        raise InputError(msg)
+        raise InputError(
+            f"node {index}: its bounds must be about different coordinates of the {dim} that it has"
+        )
 
 
 def _check_category(index: int, node: Question) -> None:
@@ -137,8 +133,7 @@ def _check_category(index: int, node: Question) -> None:
         number = int(volume.mean[0])
         if np.array_equal(volume.contains(np.arange(n)[:, None]), np.arange(n) == number):
             return
-    msg = f"node {index}: the volume of {mapping.name} must contain one category and no other"
-    raise InputError(msg)
+    raise InputError(f"node {index}: the volume of {mapping.name} must contain one category and no other")
 
 
 def _preorder(nodes: tuple[Node, ...]) -> list[int]:

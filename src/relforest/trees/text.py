@@ -15,6 +15,7 @@ from relforest.trees.nodes import (
     MeanLeaf,
     Node,
     Question,
+    children,
     counted,
     variable_name,
 )
@@ -121,21 +122,27 @@ def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
 
 def introduced(schema: Schema, nodes: tuple[Node, ...]) -> dict[int, tuple[int, ...]]:
     """Return, for the index of each question, its new variables that range over objects."""
-    new: dict[int, tuple[int, ...]] = {}
-    bound, run = [0] * len(nodes), [0] * len(nodes)
+    return {index: _fresh(schema, new) for index, new in _newly_bound(nodes).items()}
+
+
+def _newly_bound(nodes: tuple[Node, ...]) -> dict[int, range]:
+    """Return, for the index of each question, the variables that are bound right before it."""
+    found: dict[int, range] = {}
+    bound = [range(0)] * len(nodes)
     for index, node in enumerate(nodes):
+        new = bound[index]
         if isinstance(node, Instantiation):
-            bound[node.child], run[node.child] = bound[index] + 1, run[index] + 1
+            bound[node.child] = range(new.start, new.stop + 1)
         elif isinstance(node, Question):
-            new[index] = fresh_variables(schema, bound[index] - run[index], run[index])
-            for child in (node.yes, node.no, node.error):
-                bound[child] = bound[index]
-    return new
+            found[index] = new
+            for child in children(node):
+                bound[child] = range(new.stop, new.stop)
+    return found
 
 
-def fresh_variables(schema: Schema, n_bound: int, n_new: int) -> tuple[int, ...]:
-    """Return the newly bound variables that are not action arguments."""
-    return tuple(range(max(n_bound, schema.n_parameters), n_bound + n_new))
+def _fresh(schema: Schema, new: range) -> tuple[int, ...]:
+    """Return those of newly bound variables that are not action arguments."""
+    return tuple(variable for variable in new if variable >= schema.n_parameters)
 
 
 def _sole_prediction(nodes: tuple[Node, ...]) -> bool | None:
@@ -146,45 +153,39 @@ def _sole_prediction(nodes: tuple[Node, ...]) -> bool | None:
     leaves = [node for node in nodes if isinstance(node, AnyLeaf)]
     if any(isinstance(leaf, (MeanLeaf, ClassLeaf)) for leaf in leaves):
         return None
-    tried = [leaf for leaf in leaves if leaf.negatives + leaf.positives] or leaves
+    tried = [leaf for leaf in leaves if leaf.n_scenes] or leaves
     predictions = {leaf.probability >= 0.5 for leaf in tried}
     return predictions.pop() if len(predictions) == 1 else None
 
 
 def _lines(schema: Schema, nodes: tuple[Node, ...]) -> Iterator[str]:
-    stack: list[tuple[int, int, int, str]] = [(0, 0, 0, "")]
-    while stack:
-        index, n_bound, indent, label = stack.pop()
-        n_new = 0
-        node = nodes[index]
-        while isinstance(node, Instantiation):
-            n_new += 1
-            index = node.child
-            node = nodes[index]
-        margin = "    " * indent
-        if isinstance(node, AnyLeaf):
-            yield f"{margin}{label}{node.summary}"
+    new = _newly_bound(nodes)
+    # The indent and the answer of each node that is told.
+    told = {0: ""}
+    for index, node in enumerate(nodes):
+        if index not in told:
             continue
-        text = sentence(node, fresh_variables(schema, n_bound, n_new))
-        given = _given(schema, range(n_bound, min(n_bound + n_new, schema.n_parameters)))
-        yield f"{margin}{label}{given}{text}"
-        answers = zip(ANSWERS, (node.yes, node.no, node.error), strict=True)
-        following = [
-            (child, n_bound + n_new, indent + 1, f"{answer}: ")
-            for answer, child in answers
-            if answer != "error" or not _is_untried(nodes[child])
-        ]
-        stack.extend(reversed(following))
+        lead = told[index]
+        if isinstance(node, Instantiation):
+            told[node.child] = lead
+        elif isinstance(node, AnyLeaf):
+            yield f"{lead}{node.summary}"
+        else:
+            yield f"{lead}{_given(schema, new[index])}{sentence(node, _fresh(schema, new[index]))}"
+            indent = " " * (len(lead) - len(lead.lstrip()) + 4)
+            told |= {c: f"{indent}{answer}: " for answer, c in zip(ANSWERS, children(node), strict=True)}
+            if _is_untried(nodes[node.error]):
+                del told[node.error]
 
 
-def _given(schema: Schema, arguments: range) -> str:
-    names = [(variable_name(variable), schema.parameters[variable]) for variable in arguments]
+def _given(schema: Schema, new: range) -> str:
+    names = [(variable_name(each), schema.parameters[each]) for each in new if each < schema.n_parameters]
     told = [f"{letter} is the {name}" for letter, name in names if letter != name]
     return f"{', '.join(told)}; " if told else ""
 
 
 def _is_untried(node: Node) -> bool:
-    return isinstance(node, AnyLeaf) and node.negatives + node.positives == 0
+    return isinstance(node, AnyLeaf) and node.n_scenes == 0
 
 
 def _introduced(said: _Statement, rest: str, fresh: tuple[int, ...]) -> str:

@@ -1,4 +1,4 @@
-"""Weights of scenes and classes as scikit-learn's users give them."""
+"""Real targets, and weights of scenes and classes, as scikit-learn's users give them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,26 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
+
+
+def real_values(y: ArrayLike, n_expected: int, *, otherwise: str = "") -> NDArray[np.float64]:
+    """Return real targets as float64, finite or not.
+
+    Raises
+    ------
+    InputError
+        If their number is wrong, one is missing or no number; then the message says what to do `otherwise`.
+    """
+    refuse_masked(y, "y")
+    try:
+        values = np.asarray(y, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"targets must be numbers: {otherwise or error}") from error
+    if values.shape != (n_expected,):
+        raise InputError(
+            f"got targets of shape {values.shape} for {n_expected} scenes: give one number for each"
+        )
+    return values
 
 
 def scene_weights(sample_weight: ArrayLike | None, n_expected: int) -> NDArray[np.float64] | None:
