@@ -10,7 +10,7 @@ import pytest
 from relforest.experiments.resume import run
 from relforest.experiments.resume.run import KILLS, Kill, await_locks, command, compare, compute, kill_after
 from relforest.experiments.resume.settings import SETTINGS, SMOKE, ResumeSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.support.errors import RelforestError, RunFolderError
 from relforest.support.locks import FolderLock
 
@@ -84,7 +84,7 @@ def test_a_run_that_fails_is_no_result(tmp_path: Path) -> None:
     with pytest.raises(
         RelforestError, match=r"relforest learn failed in .* with exit status 2:\n.*--episodes must be"
     ):
-        compute(ResumeSetting("x", "x", 1, 1, 1, episodes=0, moments=1), Place(0, 0, tmp_path))
+        compute(ResumeSetting("x", "x", 1, 1, 1, episodes=0, moments=1), Context(0, 0, tmp_path))
 
 
 COUNTING = """
@@ -102,7 +102,7 @@ def test_each_moment_is_killed_as_often_as_it_says_and_compared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, counted: bool, identical: bool
 ) -> None:
     monkeypatch.setattr(run, "_RELFOREST", COUNTING.format(counted=counted))
-    rows = compute(ResumeSetting("x", "x", 1, 1, 1, moments=2, kills=2), Place(0, 0, tmp_path))
+    rows = compute(ResumeSetting("x", "x", 1, 1, 1, moments=2, kills=2), Context(0, 0, tmp_path))
 
     assert [row["moment"] for row in rows] == [0, 1]
     assert [row["identical"] for row in rows] == [identical] * 2
@@ -144,7 +144,9 @@ def test_every_variant_is_killed_at_ten_moments_and_the_first_process_at_a_hundr
 
 def test_the_first_process_is_killed_in_every_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "_RELFOREST", COUNTING.format(counted=False))
-    rows = compute(ResumeSetting("x", "x", 1, 1, 1, moments=4, whom="parent", part=2), Place(0, 0, tmp_path))
+    rows = compute(
+        ResumeSetting("x", "x", 1, 1, 1, moments=4, whom="parent", part=2), Context(0, 0, tmp_path)
+    )
 
     assert [row["signal"] for row in rows] == [kill.name for kill in KILLS[1:]]
     assert [row["moment"] for row in rows] == [8, 9, 10, 11]

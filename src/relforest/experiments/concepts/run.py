@@ -21,7 +21,7 @@ from relforest.experiments.concepts.settings import (
     SAME,
     ConceptSetting,
 )
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.forests import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
 from relforest.metrics import peirce_skill_score
@@ -37,7 +37,7 @@ _TRAINING, _TESTING, _LEARNING = 0, 1, 2
 _ELLIPSE_SEED: Final = 20_000
 
 
-def compute(setting: ConceptSetting, place: Place) -> list[Row]:
+def compute(setting: ConceptSetting, context: Context) -> list[Row]:
     """Return a row per kind of test scenes: concept, method, replicate, test, pss, leaves, words, ellipse.
 
     The last one, for "between", is the score of the best single ellipse on the same test scenes.
@@ -49,7 +49,7 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     Palmer (2015), section 4.2 and Figure 4.1 (learning relational concepts), section 3.3.3 (the score).
     """
     draw_training, *draw_testing = SCENES[setting.concept]
-    seed = stream(seed_sequence(place.seed), list(SCENES).index(setting.concept), setting.replicate)
+    seed = stream(seed_sequence(context.seed), list(SCENES).index(setting.concept), setting.replicate)
     scenes, labels = draw_training[1](generator(stream(seed, _TRAINING)), setting.n_scenes)
     learned = _learned(setting, scenes, labels, stream(seed, _LEARNING))
     trees = [learned.tree_] if isinstance(learned, SMRFTreeClassifier) else learned.ensemble_.trees

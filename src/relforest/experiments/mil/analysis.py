@@ -9,7 +9,7 @@ from typing import Final
 from relforest.experiments.claims import Findings
 from relforest.experiments.headings import heading
 from relforest.experiments.mil.bounds import exceptions, verdicts
-from relforest.experiments.mil.data import DATA_SETS, HELD_OUT, obstacles
+from relforest.experiments.mil.data import DATA_SETS, HELD_OUT, unavailable
 from relforest.experiments.mil.methods import COVAGG, IMPROVED, METHODS, OPTIMAL_BALL
 from relforest.experiments.mil.pictures import figures
 from relforest.experiments.mil.published import SCORES, TIMES
@@ -171,5 +171,5 @@ STUDY: Final = Study(
     figures,
     compiles=False,
     choices=CHOICES,
-    obstacles=obstacles,
+    unavailable=unavailable,
 )

@@ -35,7 +35,7 @@ from relforest.datasets import (
 )
 from relforest.datasets.catalogue import file_name
 from relforest.datasets.download import DATA_VARIABLE, URL_VARIABLE
-from relforest.experiments.study import Obstacle
+from relforest.experiments.study import Unavailable
 from relforest.support.errors import MissingDataError
 from relforest.support.rng import generator, seed_sequence, stream
 
@@ -197,7 +197,7 @@ def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Gen
     return parts
 
 
-def obstacles(settings: Sequence[OnData]) -> Mapping[OnData, Obstacle]:
+def unavailable(settings: Sequence[OnData]) -> Mapping[OnData, Unavailable]:
     """Return those of the settings whose data cannot be used here, with the remedy.
 
     Raises
@@ -206,18 +206,18 @@ def obstacles(settings: Sequence[OnData]) -> Mapping[OnData, Obstacle]:
         If a file is a wrong one, or cannot be read or downloaded.
     """
     names = dict.fromkeys(setting.data_set for setting in settings)
-    missing = {name: obstacle for name in names if (obstacle := _absence(name)) is not None}
+    missing = {name: absence for name in names if (absence := _absence(name)) is not None}
     return {setting: missing[setting.data_set] for setting in settings if setting.data_set in missing}
 
 
-def _absence(name: str) -> Obstacle | None:
+def _absence(name: str) -> Unavailable | None:
     data_set = DATA_SETS.get(name)
     if isinstance(data_set, Standard):
         try:
             data_set.fetch()
         except MissingDataError:
             # The reason is the same for all data sets, so it is printed once.
-            return Obstacle(f"{data_set.title} ({file_name(name.replace('-', '_'))})", _remedy())
+            return Unavailable(f"{data_set.title} ({file_name(name.replace('-', '_'))})", _remedy())
     return None
 
 

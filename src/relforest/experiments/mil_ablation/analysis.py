@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.headings import heading
-from relforest.experiments.mil.data import obstacles
+from relforest.experiments.mil.data import unavailable
 from relforest.experiments.mil_ablation.run import compute
 from relforest.experiments.mil_ablation.settings import (
     CHOICES,
@@ -132,5 +132,5 @@ STUDY: Final = Study(
     summarize,
     figures,
     choices=CHOICES,
-    obstacles=obstacles,
+    unavailable=unavailable,
 )

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final, final
 
 from relforest.experiments.resume.settings import PARENT, ResumeSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.runs.store import iterations_of
 from relforest.support.errors import InputError, RelforestError, RunFolderError
@@ -70,7 +70,7 @@ KILLS: Final = (
 """The last four: a crash of the first process, a batch system, Ctrl-C, a closed terminal."""
 
 
-def compute(setting: ResumeSetting, place: Place) -> list[Row]:
+def compute(setting: ResumeSetting, context: Context) -> list[Row]:
     """Return a row per moment.
 
     Its columns are variant, moment, fraction, seconds, signal, alive, survivors, iterations, files,
@@ -79,30 +79,30 @@ def compute(setting: ResumeSetting, place: Place) -> list[Row]:
     `LONGEST` seconds after any of the kills, ``iterations`` how many iterations its runs had completed;
     seconds and iterations depend on the machine.
     """
-    folder = place.folder / "runs" / f"{place.index:02d}"
+    folder = context.folder / "runs" / f"{context.index:02d}"
     # An earlier attempt at this setting may have been interrupted: its durations would mean nothing.
     shutil.rmtree(folder, ignore_errors=True)
     if setting.moments > 1:
-        _finish(setting, folder / "warm-up", place.seed, setting.jobs)
+        _finish(setting, folder / "warm-up", context.seed, setting.jobs)
     begin = time.perf_counter()
-    _finish(setting, folder / "uninterrupted", place.seed, setting.jobs)
+    _finish(setting, folder / "uninterrupted", context.seed, setting.jobs)
     duration = time.perf_counter() - begin
-    draws = generator(place.stream).random((setting.moments, setting.kills))
+    draws = generator(context.stream).random((setting.moments, setting.kills))
     rows: list[Row] = []
     for moment in range(setting.moments):
         report("runs killed", moment, setting.moments)
         out = folder / f"killed-{moment:02d}"
         fraction = (moment + float(draws[moment, 0])) / setting.moments
         kill = KILLS[1 + moment % (len(KILLS) - 1)] if setting.whom == PARENT else KILLS[0]
-        first = command(setting, out, place.seed, setting.jobs)
+        first = command(setting, out, context.seed, setting.jobs)
         alive, survivors = kill_after(first, fraction * duration, kill)
         await_locks(out)
         iterations = sum(max(iterations_of(path), 0) for path in _run_folders(setting, out))
         for again in draws[moment, 1:]:
-            next_one = command(setting, out, place.seed, setting.resumed_jobs)
+            next_one = command(setting, out, context.seed, setting.resumed_jobs)
             survivors += kill_after(next_one, float(again) * duration, kill)[1]
             await_locks(out)
-        _finish(setting, out, place.seed, setting.resumed_jobs)
+        _finish(setting, out, context.seed, setting.resumed_jobs)
         same, different = compare(folder / "uninterrupted", out)
         if not different:
             shutil.rmtree(out)
