@@ -87,7 +87,7 @@ class Study(Generic[S]):
     name : str
         As on the command line: that of its package.
     question : str
-        One sentence: the first line of the docstring of its package; see `heading`.
+        One sentence: the first line of the docstring of its package; see `heading` in `registry`.
     settings : tuple
         The whole study.
     smoke : tuple

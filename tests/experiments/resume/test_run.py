@@ -3,16 +3,14 @@ from __future__ import annotations
 import signal
 import time
 from pathlib import Path
-from threading import Event, Thread
 
 import pytest
 
 from relforest.experiments.resume import run
-from relforest.experiments.resume.run import KILLS, Kill, await_locks, command, compare, compute, kill_after
+from relforest.experiments.resume.run import KILLS, Kill, command, compare, compute, kill_after
 from relforest.experiments.resume.settings import SETTINGS, SMOKE, ResumeSetting
 from relforest.experiments.study import Context
-from relforest.support.errors import RelforestError, RunFolderError
-from relforest.support.locks import FolderLock
+from relforest.support.errors import RelforestError
 
 
 def write(folder: Path, **texts: str) -> None:
@@ -111,25 +109,6 @@ def test_each_moment_is_killed_as_often_as_it_says_and_compared(
     assert all(
         0.5 * moment <= float(str(row["fraction"])) < 0.5 * (moment + 1) for moment, row in enumerate(rows)
     )
-
-
-def test_locks_of_dying_workers_are_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    held = Event()
-
-    def hold() -> None:
-        with FolderLock(tmp_path / "run-00"):
-            held.set()
-            time.sleep(0.2)
-
-    worker = Thread(target=hold)
-    worker.start()
-    held.wait()
-    await_locks(tmp_path)
-    worker.join()
-
-    monkeypatch.setattr(run, "_PATIENCE", 0.0)
-    with FolderLock(tmp_path / "run-00"), pytest.raises(RunFolderError, match="in use"):
-        await_locks(tmp_path)
 
 
 def test_every_variant_is_killed_at_ten_moments_and_the_first_process_at_a_hundred() -> None:

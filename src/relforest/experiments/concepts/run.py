@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
@@ -100,40 +100,22 @@ def _best_ellipse(draw: Draw, n_scenes: int) -> CentredEllipse:
     return CentredEllipse.best(*draw(np.random.default_rng(_ELLIPSE_SEED), 20 * n_scenes))
 
 
-def _between(rng: np.random.Generator, n: int) -> Labelled:
-    return between_scenes(rng, n, n_objects=N_OBJECTS)
-
-
-def _between_larger(rng: np.random.Generator, n: int) -> Labelled:
-    return between_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
-
-
-def _between_crowded(rng: np.random.Generator, n: int) -> Labelled:
-    return between_scenes(rng, n, n_objects=N_OBJECTS, n_distractors=N_DISTRACTORS)
-
-
-def _figure41(rng: np.random.Generator, n: int) -> Labelled:
-    return figure41_scenes(rng, n, n_objects=N_OBJECTS)
-
-
-def _figure41_larger(rng: np.random.Generator, n: int) -> Labelled:
-    return figure41_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
-
-
-def _yellow(rng: np.random.Generator, n: int) -> Labelled:
-    return yellow_scenes(rng, n, n_objects=N_OBJECTS)
-
-
-def _yellow_larger(rng: np.random.Generator, n: int) -> Labelled:
-    return yellow_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
-
+_between: Final = partial(between_scenes, n_objects=N_OBJECTS)
+_between_larger: Final = partial(between_scenes, n_objects=N_OBJECTS_LARGER)
+_between_crowded: Final = partial(between_scenes, n_objects=N_OBJECTS, n_distractors=N_DISTRACTORS)
 
 SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = MappingProxyType(
     {
         "between": ((SAME, _between), (LARGER, _between_larger), (CROWDED, _between_crowded)),
         "between-crowded": ((SAME, _between_crowded),),
-        "figure41": ((SAME, _figure41), (LARGER, _figure41_larger)),
-        "yellow": ((SAME, _yellow), (LARGER, _yellow_larger)),
+        "figure41": (
+            (SAME, partial(figure41_scenes, n_objects=N_OBJECTS)),
+            (LARGER, partial(figure41_scenes, n_objects=N_OBJECTS_LARGER)),
+        ),
+        "yellow": (
+            (SAME, partial(yellow_scenes, n_objects=N_OBJECTS)),
+            (LARGER, partial(yellow_scenes, n_objects=N_OBJECTS_LARGER)),
+        ),
     }
 )
 """For each concept the kinds of scenes that its trees are tested on; the first one is also learned from."""

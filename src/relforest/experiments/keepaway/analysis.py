@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.headings import heading
 from relforest.experiments.keepaway import settings
 from relforest.experiments.keepaway.run import compute
 from relforest.experiments.keepaway.settings import DURATIONS, LEARNING, PHYSICS, SERVER, SPEED
+from relforest.experiments.registry import heading
 from relforest.experiments.samples import Samples
 from relforest.experiments.sheets import Entry, Estimate, Format, Sheet, Span
 from relforest.experiments.study import Study

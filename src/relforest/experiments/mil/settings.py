@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from operator import attrgetter
 from types import MappingProxyType
 from typing import Final, final
 
@@ -142,8 +141,3 @@ SMOKE: Final = _folds(
     tuning_draws=1,
     grid_step=7,
 )
-
-CHOICES: Final[Mapping[str, Callable[[MilSetting], str]]] = MappingProxyType(
-    {"methods": attrgetter("method"), "datasets": attrgetter("data_set")}
-)
-"""How settings are chosen on the command line."""

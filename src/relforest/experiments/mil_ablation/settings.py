@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, Final, final
 
@@ -85,8 +84,3 @@ SMOKE: Final = tuple(
     AblationSetting(data_set, draws=2, n_bags=12, is_whole=False)
     for data_set in ("color", "covariant1", "disjunctive", "digits")
 )
-
-CHOICES: Final[Mapping[str, Callable[[AblationSetting], str]]] = MappingProxyType(
-    {"datasets": attrgetter("data_set")}
-)
-"""What settings may be chosen by on the command line."""
