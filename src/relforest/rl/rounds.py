@@ -16,12 +16,11 @@ import numpy as np
 from relforest.forests.tree_features import tree_features
 from relforest.rl.bellman import error_labels, look_ahead
 from relforest.rl.experience import BoolArray
-from relforest.rl.features import forest_features
 from relforest.rl.lspi import LSPIResult, lspi
 from relforest.rl.samples import Samples
 from relforest.rl.selection import Fit, fit_of, select
 from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction
+from relforest.rl.value import ValueFunction, forest_features
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.parallel import run_tasks
 from relforest.support.progress import part, report
