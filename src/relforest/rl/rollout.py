@@ -56,9 +56,7 @@ def world_of(env: Environment) -> World:
     return world
 
 
-def rollout(
-    env: Environment, policy: Policy, episodes: int, seed: np.random.SeedSequence, *, first: int = 0
-) -> Experience:
+def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.SeedSequence) -> Experience:
     """Play episodes and return everything that happened.
 
     Parameters
@@ -71,8 +69,6 @@ def rollout(
         How many, at least 1.
     seed : numpy.random.SeedSequence
         Episode ``i`` uses two streams named by ``i``, one for the world and one for the policy.
-    first : int
-        Number of the first episode: 250 episodes and then 250 with ``first=250`` are the same as 500 at once.
 
     Raises
     ------
@@ -87,9 +83,8 @@ def rollout(
     decisions: list[Decision] = []
     steps: list[_Step] = []
     totals = []
-    first = at_least("first", first, 0)
-    for episode in range(first, first + at_least("episodes", episodes, 1)):
-        report("episodes", episode - first, episodes)
+    for episode in range(at_least("episodes", episodes, 1)):
+        report("episodes", episode, episodes)
         # Worlds written in other languages may accept only 32 bits.
         env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
         totals.append(_play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps))

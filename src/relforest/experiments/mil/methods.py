@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, Protocol, Self, TypeAlias, final
+from typing import Any, Final, TypeAlias, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
+from relforest.mil.bag_classifier import BagClassifier
 from relforest.mil.peers import (
     APRClassifier,
     BagMarginSVMClassifier,
@@ -24,18 +24,6 @@ from relforest.mil.peers import (
 
 Parameters: TypeAlias = Mapping[str, float]
 """Parameters of a tuned learner by name; empty for the others."""
-
-
-class Learner(Protocol):
-    """A classifier of bags in the scikit-learn manner."""
-
-    def fit(self, bags: list[NDArray[np.float64]], y: NDArray[np.bool_], /) -> Self:
-        """Learn from bags, each an (n_i, d) array, and their labels."""
-        ...
-
-    def predict(self, bags: list[NDArray[np.float64]], /) -> NDArray[Any]:
-        """Return the labels of bags."""
-        ...
 
 
 @final
@@ -60,7 +48,7 @@ class Method:
     kind: Callable[..., Any]
     is_tuned: bool = False
 
-    def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> Learner:
+    def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> BagClassifier:
         """Make a learner that has not learned anything.
 
         Parameters
@@ -73,7 +61,7 @@ class Method:
         learner = self.kind(**parameters)
         if "random_state" in learner.get_params():
             learner.set_params(random_state=int(seed.generate_state(1)[0]))
-        made: Learner = learner
+        made: BagClassifier = learner
         return made
 
 
