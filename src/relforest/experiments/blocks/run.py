@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from time import process_time
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -116,15 +116,13 @@ def _speed(setting: settings.BlocksSetting, context: Context) -> Measures:
             yield "steps", found["episode_steps"]
 
 
-_PARTS: Final = MappingProxyType(
-    {
-        settings.SETTLE: _settle,
-        settings.LIFT: _lift,
-        settings.TOWERS: _play,
-        settings.GROUPS: _play,
-        settings.ARCHES: _play,
-        settings.COLORS: _colors,
-        settings.OUTCOMES: _outcomes,
-        settings.SPEED: _speed,
-    }
-)
+_PARTS: Final[Mapping[str, Callable[[settings.BlocksSetting, Context], Measures]]] = {
+    settings.SETTLE: _settle,
+    settings.LIFT: _lift,
+    settings.TOWERS: _play,
+    settings.GROUPS: _play,
+    settings.ARCHES: _play,
+    settings.COLORS: _colors,
+    settings.OUTCOMES: _outcomes,
+    settings.SPEED: _speed,
+}

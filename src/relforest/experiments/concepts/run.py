@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache, partial
-from types import MappingProxyType
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -104,18 +103,16 @@ _between: Final = partial(between_scenes, n_objects=N_OBJECTS)
 _between_larger: Final = partial(between_scenes, n_objects=N_OBJECTS_LARGER)
 _between_crowded: Final = partial(between_scenes, n_objects=N_OBJECTS, n_distractors=N_DISTRACTORS)
 
-SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = MappingProxyType(
-    {
-        "between": ((SAME, _between), (LARGER, _between_larger), (CROWDED, _between_crowded)),
-        "between-crowded": ((SAME, _between_crowded),),
-        "figure41": (
-            (SAME, partial(figure41_scenes, n_objects=N_OBJECTS)),
-            (LARGER, partial(figure41_scenes, n_objects=N_OBJECTS_LARGER)),
-        ),
-        "yellow": (
-            (SAME, partial(yellow_scenes, n_objects=N_OBJECTS)),
-            (LARGER, partial(yellow_scenes, n_objects=N_OBJECTS_LARGER)),
-        ),
-    }
-)
+SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = {
+    "between": ((SAME, _between), (LARGER, _between_larger), (CROWDED, _between_crowded)),
+    "between-crowded": ((SAME, _between_crowded),),
+    "figure41": (
+        (SAME, partial(figure41_scenes, n_objects=N_OBJECTS)),
+        (LARGER, partial(figure41_scenes, n_objects=N_OBJECTS_LARGER)),
+    ),
+    "yellow": (
+        (SAME, partial(yellow_scenes, n_objects=N_OBJECTS)),
+        (LARGER, partial(yellow_scenes, n_objects=N_OBJECTS_LARGER)),
+    ),
+}
 """For each concept the kinds of scenes that its trees are tested on; the first one is also learned from."""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from time import process_time
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -139,6 +138,9 @@ def _rules(setting: KeepawaySetting) -> KeepawayOptions:
     return KeepawayOptions(setting.keepers, setting.takers, setting.size)
 
 
-_PARTS: Final = MappingProxyType(
-    {PHYSICS: _physics, DURATIONS: _durations, LEARNING: _learning, SPEED: _speed}
-)
+_PARTS: Final[Mapping[str, Callable[[KeepawaySetting, Context], Measures]]] = {
+    PHYSICS: _physics,
+    DURATIONS: _durations,
+    LEARNING: _learning,
+    SPEED: _speed,
+}

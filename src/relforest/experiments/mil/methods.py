@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, Final, TypeAlias, final
 
 import numpy as np
@@ -76,23 +75,21 @@ BAG_MARGIN: Final = "bag-margin-svm"
 MILES: Final = "miles"
 SINGLE_INSTANCE: Final = "single-instance-svm"
 
-METHODS: Final[Mapping[str, Method]] = MappingProxyType(
-    {
-        COVAGG: Method("CovAgg", 0, CovAggClassifier),
-        IMPROVED: Method("committee", 1, VolumeCommitteeClassifier),
-        OPTIMAL_BALL: Method("OptBall", 2, OptimalBallClassifier),
-        DD: Method("DD", 3, DiverseDensityClassifier),
-        EM_DD: Method("EM-DD", 4, EMDDClassifier),
-        APR: Method("APR", 5, APRClassifier),
-        INSTANCE_MARGIN: Method("mi-SVM", 6, InstanceMarginSVMClassifier),
-        BAG_MARGIN: Method("MI-SVM", 7, BagMarginSVMClassifier),
-        MILES: Method("MILES", 8, MILESClassifier),
-        SINGLE_INSTANCE: Method("SI-SVM", 9, SingleInstanceSVMClassifier),
-        f"{INSTANCE_MARGIN}-tuned": Method("mi-SVM*", 10, InstanceMarginSVMClassifier, is_tuned=True),
-        f"{BAG_MARGIN}-tuned": Method("MI-SVM*", 11, BagMarginSVMClassifier, is_tuned=True),
-        f"{MILES}-tuned": Method("MILES*", 12, MILESClassifier, is_tuned=True),
-    }
-)
+METHODS: Final[Mapping[str, Method]] = {
+    COVAGG: Method("CovAgg", 0, CovAggClassifier),
+    IMPROVED: Method("committee", 1, VolumeCommitteeClassifier),
+    OPTIMAL_BALL: Method("OptBall", 2, OptimalBallClassifier),
+    DD: Method("DD", 3, DiverseDensityClassifier),
+    EM_DD: Method("EM-DD", 4, EMDDClassifier),
+    APR: Method("APR", 5, APRClassifier),
+    INSTANCE_MARGIN: Method("mi-SVM", 6, InstanceMarginSVMClassifier),
+    BAG_MARGIN: Method("MI-SVM", 7, BagMarginSVMClassifier),
+    MILES: Method("MILES", 8, MILESClassifier),
+    SINGLE_INSTANCE: Method("SI-SVM", 9, SingleInstanceSVMClassifier),
+    f"{INSTANCE_MARGIN}-tuned": Method("mi-SVM*", 10, InstanceMarginSVMClassifier, is_tuned=True),
+    f"{BAG_MARGIN}-tuned": Method("MI-SVM*", 11, BagMarginSVMClassifier, is_tuned=True),
+    f"{MILES}-tuned": Method("MILES*", 12, MILESClassifier, is_tuned=True),
+}
 """Name on the command line -> method, in the order of the tables; those of the source have its columns."""
 
 PEERS: Final = tuple(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from itertools import count, islice
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -31,20 +30,18 @@ from relforest.support.rng import generator, stream
 _DATA, _LEARNING, _FOLDS = 0, 1, 2
 _IN_HALVES: Final = ("digits", "digit-mixture")
 
-GENERATORS: Final[Mapping[str, Callable[..., BagSet]]] = MappingProxyType(
-    {
-        "color": color,
-        "covariant1": covariant1,
-        "covariant2": covariant2,
-        "disjunctive": disjunctive,
-        "three-parts": three_parts,
-        "rare": rare,
-        "wide": wide,
-        "elements": elements,
-        "digits": digits,
-        "digit-mixture": digit_mixture,
-    }
-)
+GENERATORS: Final[Mapping[str, Callable[..., BagSet]]] = {
+    "color": color,
+    "covariant1": covariant1,
+    "covariant2": covariant2,
+    "disjunctive": disjunctive,
+    "three-parts": three_parts,
+    "rare": rare,
+    "wide": wide,
+    "elements": elements,
+    "digits": digits,
+    "digit-mixture": digit_mixture,
+}
 
 
 def compute(setting: AblationSetting, context: Context) -> list[Row]:
