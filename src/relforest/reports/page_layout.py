@@ -24,6 +24,15 @@ class Page:
     tree: Place
     panels: tuple[Place, ...]
 
+    def at(self, place: Place) -> Place:
+        """Return a place in shares of the page, counted from the bottom left corner as Matplotlib does."""
+        return place[0] / self.width, 1.0 - place[1] / self.height
+
+    def bounds(self, place: Place, width: float, height: float) -> tuple[float, float, float, float]:
+        """Return left, bottom, width and height of a part with its top left corner at a place; see `at`."""
+        left, bottom = self.at((place[0], place[1] + height))
+        return left, bottom, width / self.width, height / self.height
+
 
 def arrange(
     tree: tuple[float, float], panel: tuple[float, float], n_panels: int, *, head: tuple[float, float]

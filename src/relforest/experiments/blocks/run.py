@@ -58,8 +58,8 @@ def _settle(setting: settings.BlocksSetting, context: Context) -> Measures:
 
 def _lift(setting: settings.BlocksSetting, context: Context) -> Measures:
     sim = BlocksSimulation(generator(context.stream))
-    half_extents = settings.LIFTS[setting.condition]
-    sim.place([Block(0, half_extents, (0.0, 0.0, 0.0))], [(0.0, half_extents[1], 0.0)])
+    width, height = map(float, setting.condition.split(" x "))
+    sim.place([Block(0, (width, height), (0.0, 0.0, 0.0))], [(0.0, height, 0.0)])
     sim.wait_for_rest(_LONGEST)
     sim.grab(0, (0.0, 0.0))
     steps, _ = sim.carry((0.0, _LIFTED), _LONGEST)

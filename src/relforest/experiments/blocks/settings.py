@@ -84,16 +84,6 @@ OUTCOME_TASKS: Final[Mapping[str, tuple[int, int]]] = {
 
 BALANCE_TASKS: Final = (BALANCE, BALANCE_LARGE)
 
-LIFTS: Final[Mapping[str, tuple[float, float]]] = {
-    "0.5 x 0.5": (0.5, 0.5),
-    "5 x 0.5": (5.0, 0.5),
-    "2.75 x 2.75": (2.75, 2.75),
-    "4 x 2": (4.0, 2.0),
-    "2 x 4": (2.0, 4.0),
-    "5 x 5": (5.0, 5.0),
-}
-"""Half sizes of the blocks that are lifted alone."""
-
 AUTHOR: Final = "author's simulator"
 PLAIN: Final = "a plain Box2D 2.3 port"
 
@@ -145,7 +135,7 @@ LIFT_REFERENCE: Final[Mapping[str, tuple[int, int]]] = {
     "2 x 4": (248, 248),
     "5 x 5": (410, 401),
 }
-"""Steps of a lift to a height of 20 in the author's simulator and in a plain port to Box2D 2.3."""
+"""Half sizes of a block that is lifted alone -> steps of its lift to a height of 20 in the author's simulator and in a plain port to Box2D 2.3."""
 
 OPTION_REFERENCE: Final[Mapping[tuple[str, str, str], tuple[float, float]]] = {
     (TOWERS, RANDOM, "put_duration"): (8.98, 8.63),
@@ -216,7 +206,7 @@ def _settings(episodes: int, pairs: int, speed: int) -> tuple[BlocksSetting, ...
     played[TOWERS, RANDOM] *= _MORE_RANDOM
     return (
         *(share for scenario in SCENARIOS for share in _shares(SETTLE, scenario, _MORE_DROPS * episodes)),
-        *(BlocksSetting(LIFT, size) for size in LIFTS),
+        *(BlocksSetting(LIFT, size) for size in LIFT_REFERENCE),
         *(share for (part, policy), count in played.items() for share in _shares(part, policy, count)),
         *(share for task in OUTCOME_TASKS for share in _shares(OUTCOMES, task, episodes)),
         *(BlocksSetting(COLORS, sampling, pairs) for sampling in COLOR_REFERENCE),

@@ -110,8 +110,8 @@ def _durations(samples: Samples) -> Sheet:
 
 def _events(samples: Samples) -> Sheet:
     rows = tuple(
-        (title, _measured(samples, _BENCHMARK, "random", name), settings.SERVER_EVENTS[name])
-        for name, title in settings.EVENT_TITLES.items()
+        (title, _measured(samples, _BENCHMARK, "random", name), server)
+        for name, (title, server) in settings.SERVER_EVENTS.items()
     )
     columns = dict.fromkeys(("ours", "real server"), lambda value: ".3f" if value < 1 else ".2f")
     return Sheet(f"What happens in {_BENCHMARK} games of random keepers", {"": "", **columns}, rows)

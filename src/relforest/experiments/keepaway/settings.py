@@ -73,46 +73,26 @@ SERVER: Final[Mapping[str, Mapping[str, float]]] = {
 """3v2 on the real server: version 19 with the parameters of versions 13 to 16, the players of the benchmark,
 a field of view of 360 degrees, synchronous mode; 968, 600 and 595 episodes. Durations in cycles."""
 
-SERVER_EVENTS: Final[Mapping[str, float]] = {
-    "transfers": 5.4,
-    "keeper_kicks": 13.9,
-    "taker_kicks": 3.5,
-    "keeper_in_reach": 0.273,
-    "taker_in_reach": 0.072,
-    "first_touch": 4.9,
-    "dashes": 0.44,
-    "turns": 0.50,
-    "nearest_pair": 11.2,
-    "middle_pair": 13.1,
-    "farthest_pair": 16.5,
-    "ball_q5": 0.0,
-    "ball_q25": 0.55,
-    "ball_q50": 1.46,
-    "ball_q75": 1.71,
-    "ball_q95": 2.01,
-    "ball_q99": 2.22,
+SERVER_EVENTS: Final[Mapping[str, tuple[str, float]]] = {
+    "transfers": ("passes from keeper to keeper per episode", 5.4),
+    "keeper_kicks": ("kicks of keepers per episode", 13.9),
+    "taker_kicks": ("kicks of takers per episode", 3.5),
+    "keeper_in_reach": ("share of cycles with a keeper at the ball", 0.273),
+    "taker_in_reach": ("share of cycles with a taker at the ball", 0.072),
+    "first_touch": ("first cycle with a keeper at the ball", 4.9),
+    "dashes": ("share of dashes among the commands", 0.44),
+    "turns": ("share of turns among the commands", 0.50),
+    "nearest_pair": ("distance of the nearest two keepers (m)", 11.2),
+    "middle_pair": ("distance of the middle pair (m)", 13.1),
+    "farthest_pair": ("distance of the farthest two (m)", 16.5),
+    "ball_q5": ("speed of the ball, 5 % quantile (m per cycle)", 0.0),
+    "ball_q25": ("25 %", 0.55),
+    "ball_q50": ("50 %", 1.46),
+    "ball_q75": ("75 %", 1.71),
+    "ball_q95": ("95 %", 2.01),
+    "ball_q99": ("99 %", 2.22),
 }
-"""What happened in the same games with the random policy."""
-
-EVENT_TITLES: Final[Mapping[str, str]] = {
-    "transfers": "passes from keeper to keeper per episode",
-    "keeper_kicks": "kicks of keepers per episode",
-    "taker_kicks": "kicks of takers per episode",
-    "keeper_in_reach": "share of cycles with a keeper at the ball",
-    "taker_in_reach": "share of cycles with a taker at the ball",
-    "first_touch": "first cycle with a keeper at the ball",
-    "dashes": "share of dashes among the commands",
-    "turns": "share of turns among the commands",
-    "nearest_pair": "distance of the nearest two keepers (m)",
-    "middle_pair": "distance of the middle pair (m)",
-    "farthest_pair": "distance of the farthest two (m)",
-    "ball_q5": "speed of the ball, 5 % quantile (m per cycle)",
-    "ball_q25": "25 %",
-    "ball_q50": "50 %",
-    "ball_q75": "75 %",
-    "ball_q95": "95 %",
-    "ball_q99": "99 %",
-}
+"""What happened in the same games with the random policy: what each number is called, and its value."""
 
 DURATION_BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "random": (53.0 * 0.9, 58.0 * 1.1),
