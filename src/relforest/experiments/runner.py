@@ -95,7 +95,7 @@ def run_study(
     notes = _notes(unavailable.values())
     if not files:
         raise InputError(" ".join(notes))
-    announce = on_progress or _silent
+    announce = on_progress or (lambda _line: None)
     for line in notes:
         announce(line)
     with held(folder, manifest, is_finished=lambda: all(file.exists() for file in files.values())):
@@ -202,7 +202,3 @@ def _notes(unavailable: Collection[Unavailable]) -> list[str]:
         concerned = [absence.missing for absence in unavailable if absence.reason == reason]
         lines.append(f"Left out ({len(concerned)} settings): {', '.join(dict.fromkeys(concerned))}. {reason}")
     return lines
-
-
-def _silent(_line: str) -> None:
-    """Drop a line."""

@@ -73,10 +73,6 @@ class Unavailable:
     reason: str
 
 
-def _no_figures(_table: Table) -> Mapping[str, Figure]:
-    return {}
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class Study(Generic[S]):
@@ -118,7 +114,7 @@ class Study(Generic[S]):
     smoke: tuple[S, ...]
     compute: Callable[[S, Context], list[Row]]
     summarize: Callable[[Table], Findings]
-    figures: Callable[[Table], Mapping[str, Figure]] = _no_figures
+    figures: Callable[[Table], Mapping[str, Figure]] = lambda _table: {}
     compiles: bool = True
     choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
     unavailable: Callable[[Sequence[S]], Mapping[S, Unavailable]] | None = None

@@ -140,9 +140,16 @@ def _series_figure(series: Mapping[str, Runs], key: str, ylabel: str, title: str
         notes = sorted({len(runs) for runs in series.values() if len(runs) > 1})
         if notes:
             counts = " or ".join(map(str, notes))
-            style = {"textcoords": "offset points", "va": "bottom", "fontsize": 8.0, "color": GREY}
-            text = f"mean and standard deviation of {counts} runs"
-            axes.annotate(text, (0.0, 1.0), (0, 4), xycoords="axes fraction", **style)
+            axes.annotate(
+                f"mean and standard deviation of {counts} runs",
+                (0.0, 1.0),
+                xycoords="axes fraction",
+                xytext=(0, 4),
+                textcoords="offset points",
+                va="bottom",
+                fontsize=8.0,
+                color=GREY,
+            )
         if title:
             axes.set_title(title, loc="left", pad=18.0 if notes else None, parse_math=False)
         if len(series) > 1:

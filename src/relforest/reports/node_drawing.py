@@ -170,7 +170,7 @@ def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) ->
     if answer:
         x = above.center + _ANSWERED * (below.center - above.center)
         y = above.bottom + _ANSWERED * (below.top - above.bottom)
-        style = {"ha": "center", "va": "center", "color": GREY if answer == "error" else INK}
+        style: dict[str, Any] = {"ha": "center", "va": "center", "color": GREY if answer == "error" else INK}
         box = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.5}
         weight = "bold" if lit else "normal"
         axes.text(x, y, answer.capitalize(), fontsize=_TEXT, fontweight=weight, bbox=box, **style)

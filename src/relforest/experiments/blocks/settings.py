@@ -135,7 +135,8 @@ LIFT_REFERENCE: Final[Mapping[str, tuple[int, int]]] = {
     "2 x 4": (248, 248),
     "5 x 5": (410, 401),
 }
-"""Half sizes of a block that is lifted alone -> steps of its lift to a height of 20 in the author's simulator and in a plain port to Box2D 2.3."""
+"""Half sizes of a block that is lifted alone -> steps of its lift to a height of 20 in the author's simulator
+and in a plain port to Box2D 2.3."""
 
 OPTION_REFERENCE: Final[Mapping[tuple[str, str, str], tuple[float, float]]] = {
     (TOWERS, RANDOM, "put_duration"): (8.98, 8.63),
