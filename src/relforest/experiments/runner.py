@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -84,7 +84,7 @@ def run_study(
     seed = at_least("seed", seed, 0)
     checked_jobs(n_jobs)
     chosen = chosen_settings(study, settings, only or {})
-    plain = [_plain(setting) for setting in settings]
+    plain = [asdict(setting) for setting in settings]
     manifest = Manifest(
         _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
     )
@@ -130,7 +130,7 @@ def _compute(
     def save(task: int, rows: list[Row]) -> None:
         context = left[task]
         header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
-        write_json(files[context], {**header, "setting": _plain(chosen[context]), "rows": rows})
+        write_json(files[context], {**header, "setting": asdict(chosen[context]), "rows": rows})
         announce(f"{study.name}: {next(done)} of {len(files)} done ({chosen[context]})")
 
     run_tasks(
@@ -189,10 +189,6 @@ def _read_rows(file: Path, setting: Mapping[str, Any]) -> list[Row]:
 
 def _is_cell(value: object) -> bool:
     return value is None or isinstance(value, (str, int, float))
-
-
-def _plain(setting: Setting) -> dict[str, Any]:
-    return {entry.name: getattr(setting, entry.name) for entry in fields(setting)}
 
 
 def _notes(unavailable: Collection[Unavailable]) -> list[str]:
