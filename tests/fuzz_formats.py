@@ -31,7 +31,7 @@ from relforest.experiments.keepaway_team import Team
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runner import run_study
 from relforest.experiments.sarsa import SarsaLearner, Trained, trained_team
-from relforest.experiments.study import Place, Study
+from relforest.experiments.study import Context, Study
 from relforest.experiments.table import Row, Table
 from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
 from relforest.forests.statements import Bound, Is, Near, Statement
@@ -308,8 +308,10 @@ class Count:
         return f"{self.count} rows"
 
 
-def _count(setting: Count, place: Place) -> list[Row]:
-    return [{"number": number, "name": f"row {place.index}", "value": 0.5} for number in range(setting.count)]
+def _count(setting: Count, context: Context) -> list[Row]:
+    return [
+        {"number": number, "name": f"row {context.index}", "value": 0.5} for number in range(setting.count)
+    ]
 
 
 def _findings(table: Table) -> Findings:

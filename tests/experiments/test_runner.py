@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.runner import run_study
 from relforest.experiments.sheets import Sheet
-from relforest.experiments.study import Obstacle, Place, Study
+from relforest.experiments.study import Context, Study, Unavailable
 from relforest.experiments.table import Row, Table
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.rng import generator
@@ -33,15 +33,15 @@ class KilledError(BaseException):
     """Stands for the end of the process."""
 
 
-def throw(setting: Throws, place: Place) -> list[Row]:
-    faces = generator(place.stream).integers(1, 7, size=setting.count).tolist()
+def throw(setting: Throws, context: Context) -> list[Row]:
+    faces = generator(context.stream).integers(1, 7, size=setting.count).tolist()
     return [{"throw": number, "face": face} for number, face in enumerate(faces)]
 
 
-def stop_at_three(setting: Throws, place: Place) -> list[Row]:
+def stop_at_three(setting: Throws, context: Context) -> list[Row]:
     if setting.count == 3:
         raise KilledError
-    return throw(setting, place)
+    return throw(setting, context)
 
 
 def summarize(table: Table) -> Findings:
@@ -216,9 +216,9 @@ def test_a_study_without_choices_says_so(tmp_path: Path) -> None:
         run_study(STUDY, tmp_path / "out", only={"methods": ["a"]})
 
 
-def lacking_dice(settings: Sequence[Throws]) -> dict[Throws, Obstacle]:
+def lacking_dice(settings: Sequence[Throws]) -> dict[Throws, Unavailable]:
     return {
-        setting: Obstacle(f"die {setting.count}", "Buy some." if setting.count < 4 else "Find it.")
+        setting: Unavailable(f"die {setting.count}", "Buy some." if setting.count < 4 else "Find it.")
         for setting in settings
         if setting.count > 2
     }
@@ -226,7 +226,7 @@ def lacking_dice(settings: Sequence[Throws]) -> dict[Throws, Obstacle]:
 
 def test_what_cannot_be_computed_is_left_out_and_told(tmp_path: Path) -> None:
     told: list[str] = []
-    study = replace(STUDY, obstacles=lacking_dice)
+    study = replace(STUDY, unavailable=lacking_dice)
     findings = run_study(study, tmp_path, on_progress=told.append)
     notes = ["Left out (1 settings): die 3. Buy some.", "Left out (1 settings): die 4. Find it."]
 
@@ -239,7 +239,7 @@ def test_what_cannot_be_computed_is_left_out_and_told(tmp_path: Path) -> None:
 
 
 def test_nothing_left_to_compute_is_an_error(tmp_path: Path) -> None:
-    study = replace(CHOOSY, obstacles=lacking_dice)
+    study = replace(CHOOSY, unavailable=lacking_dice)
     with pytest.raises(InputError, match=r"^Left out \(1 settings\): die 3\. Buy some\.$"):
         run_study(study, tmp_path / "out", only={"parity": ["odd"]})
     assert not (tmp_path / "out").exists()

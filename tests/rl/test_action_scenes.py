@@ -10,11 +10,10 @@ from relforest.forests.tree_features import width
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.experience import BoolArray, Experience
-from relforest.rl.features import forest_features
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.settings import FEATURE_MODES, FeatureMode
-from relforest.rl.value import ValueFunction
+from relforest.rl.value import ValueFunction, forest_features
 from relforest.scenes import Scenes
 from relforest.scenes.arrays import IntArray
 from relforest.smdp import Decision

@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from relforest.rl.experience import COLUMNS, Experience, concatenate
+from relforest.rl.experience import COLUMNS, Experience
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout, world_of
 from relforest.smdp import Decision
@@ -63,15 +63,6 @@ def test_the_same_seed_gives_the_same_experience() -> None:
 def test_another_seed_gives_another_world() -> None:
     first, second = (rollout(Picking(), RandomPolicy(), 2, np.random.SeedSequence(s)) for s in (0, 1))
     assert not np.array_equal(first.matrix[:3], second.matrix[:3])
-
-
-def test_episodes_do_not_depend_on_the_batch_they_are_in() -> None:
-    whole = rollout(Picking(), RandomPolicy(), 5, SEED)
-    parts = [
-        rollout(Picking(), RandomPolicy(), 2, SEED),
-        rollout(Picking(), RandomPolicy(), 3, SEED, first=2),
-    ]
-    assert_equal(concatenate(parts), whole)
 
 
 def test_the_policy_cannot_disturb_the_world() -> None:

@@ -7,7 +7,6 @@ import pytest
 
 from interpreted import compiled_only
 from relforest.rl.bellman import error_labels, look_ahead
-from relforest.rl.features import forest_features
 from relforest.rl.lspi import lspi
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
@@ -15,7 +14,7 @@ from relforest.rl.rounds import improve
 from relforest.rl.samples import Samples, draw_samples
 from relforest.rl.selection import fit_of
 from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction, action_schemas
+from relforest.rl.value import ValueFunction, action_schemas, forest_features
 from relforest.trees import TreeSettings
 from relforest.worlds.corridor.env import CorridorEnv
 

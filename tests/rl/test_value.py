@@ -9,11 +9,10 @@ from interpreted import compiled_only
 from relforest.forests.tree_features import width
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
-from relforest.rl.features import forest_features
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.settings import FEATURE_MODES, FeatureMode
-from relforest.rl.value import ValueFunction, action_schemas
+from relforest.rl.value import ValueFunction, action_schemas, forest_features
 from relforest.scenes import Scenes, Schema
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
@@ -43,6 +42,16 @@ def random_value(mode: FeatureMode, seed: int = 0) -> ValueFunction:
 def decision(*things: float) -> Decision:
     numbers = np.arange(1 + len(things))
     return Decision(np.array(things).reshape(-1, 1), np.minimum(numbers, 1), numbers[:, None] - 1, numbers)
+
+
+def test_the_features_of_a_forest_have_a_bias_first() -> None:
+    numbers = np.arange(2)
+    scenes = Scenes(SCHEMA, np.array([[0.35], [0.75]]), numbers, numbers, np.ones_like(numbers))
+    assert forest_features([near(SCHEMA), near(SCHEMA, mean=0.8)], scenes, "bits").tolist() == [
+        [1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        [1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0],
+    ]
+    assert forest_features([], scenes, "bits").tolist() == [[1.0], [1.0]]
 
 
 def test_nothing_learned_is_worth_nothing() -> None:

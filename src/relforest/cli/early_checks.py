@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
 from difflib import get_close_matches
 from itertools import pairwise
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from relforest.cli.outputs import check_free
 from relforest.support.errors import InputError, RelforestError
 from relforest.support.options import at_least, in_range
 
-_LEAST: Final = MappingProxyType(
-    {
-        "attempts": 1,
-        "episodes": 1,
-        "iterations": 1,
-        "max_points": 1,
-        "permutations": 1,
-        "runs": 1,
-        "seed": 0,
-        "test_episodes": 1,
-        "trees": 1,
-    }
-)
+_LEAST: Final[Mapping[str, int]] = {
+    "attempts": 1,
+    "episodes": 1,
+    "iterations": 1,
+    "max_points": 1,
+    "permutations": 1,
+    "runs": 1,
+    "seed": 0,
+    "test_episodes": 1,
+    "trees": 1,
+}
 """The smallest value of each option that is an integer, in whatever command."""
 
 _READ: Final = {"model", "table"}

@@ -62,8 +62,7 @@ class ExperimentOptions:
 
 def experiment(options: ExperimentOptions) -> int:
     """Run a study; the exit code is 1 if a full study misses a bound, else 0."""
-    from relforest.experiments.headings import heading
-    from relforest.experiments.registry import STUDIES
+    from relforest.experiments.registry import STUDIES, heading
 
     if not options.name:
         width = max(map(len, STUDIES))

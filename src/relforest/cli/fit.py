@@ -145,11 +145,7 @@ def fit(options: FitOptions) -> int:
     """Learn a model with the given options; the exit code is 0."""
     from relforest.models import as_model, read_training_data, write_model
     from relforest.scenes.dialect import Dialect
-    from relforest.support.options import at_least
-    from relforest.support.parallel import checked_jobs
 
-    at_least("seed", options.seed, 0)
-    checked_jobs(options.jobs)
     check_free(options.out, force=options.force)
     data = read_training_data(
         options.table,

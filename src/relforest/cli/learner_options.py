@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from types import MappingProxyType
 from typing import Annotated, Any, Final, final
 
 from tyro.conf import arg
@@ -111,25 +110,23 @@ class RPIOptions:
 
 
 # The number of permutations comes first, since the level and the test are checked against it.
-_PLACES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
-    {
-        "features": ("", "features"),
-        "epsilon": ("", "epsilon"),
-        "no_bootstrapping": ("", "bootstrap_on_truncation"),
-        "rounds": ("", "max_rounds"),
-        "trees_per_label": ("", "trees_per_label"),
-        "alpha": ("", "alpha"),
-        "max_scenes": ("", "max_scenes"),
-        "max_samples": ("", "max_samples"),
-        "lspi_iterations": ("lspi", "max_iterations"),
-        "permutations": ("tree", "permutations"),
-        "search": ("tree", "search"),
-        "attempts": ("tree", "attempts"),
-        "max_points": ("tree", "max_points"),
-        "question_alpha": ("tree", "alpha"),
-        "question_test": ("tree", "test"),
-    }
-)
+_PLACES: Final[Mapping[str, tuple[str, str]]] = {
+    "features": ("", "features"),
+    "epsilon": ("", "epsilon"),
+    "no_bootstrapping": ("", "bootstrap_on_truncation"),
+    "rounds": ("", "max_rounds"),
+    "trees_per_label": ("", "trees_per_label"),
+    "alpha": ("", "alpha"),
+    "max_scenes": ("", "max_scenes"),
+    "max_samples": ("", "max_samples"),
+    "lspi_iterations": ("lspi", "max_iterations"),
+    "permutations": ("tree", "permutations"),
+    "search": ("tree", "search"),
+    "attempts": ("tree", "attempts"),
+    "max_points": ("tree", "max_points"),
+    "question_alpha": ("tree", "alpha"),
+    "question_test": ("tree", "test"),
+}
 """Option -> which settings it changes (the learner's own, LSPI's, or the trees') and its name there."""
 
 

@@ -75,9 +75,7 @@ def predict(options: PredictOptions) -> int:
     from relforest.models import prediction_table, read_model
     from relforest.scenes.dialect import Dialect
     from relforest.support.files import write_text
-    from relforest.support.parallel import checked_jobs
 
-    checked_jobs(options.jobs)
     out = parquet_output(options.table, options.out)
     if out is not None:
         model = read_model(options.model)

@@ -3,7 +3,7 @@ from .registry import STUDIES
 from .run_config import RunConfig
 from .runner import run_study
 from .runs import learn_runs
-from .study import Place, Study
+from .study import Context, Study
 from .table import Table
 from .tasks import TASKS, Task, task_named
 
@@ -11,8 +11,8 @@ __all__ = [
     "STUDIES",
     "TASKS",
     "Claim",
+    "Context",
     "Findings",
-    "Place",
     "RunConfig",
     "Study",
     "Table",

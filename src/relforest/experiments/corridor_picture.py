@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 
 from relforest.reports.corridor_figure import BellmanErrors, LeafBand, corridor_figure
 from relforest.rl.bellman import look_ahead
-from relforest.rl.features import forest_features
 from relforest.rl.rollout import Environment, world_of
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.samples import draw_samples
-from relforest.rl.value import action_schemas
+from relforest.rl.value import action_schemas, forest_features
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.trees import query

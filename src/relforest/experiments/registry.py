@@ -16,13 +16,18 @@ _PACKAGES: Final = {
 }
 
 
+def heading(package: str) -> tuple[str, str]:
+    """Return the name of a study and its question: the first line of the docstring of its package."""
+    return package.rpartition(".")[2], str(import_module(package).__doc__).partition("\n")[0]
+
+
 @final
 class _Studies(ReadOnly[str, "Study[Any]"]):
     """Studies that are loaded when they are asked for."""
 
     def __getitem__(self, name: str) -> Study[Any]:
         """Load a study."""
-        study: Study[Any] = import_module(_PACKAGES[name]).STUDY
+        study: Study[Any] = import_module(f"{_PACKAGES[name]}.analysis").STUDY
         return study
 
     def __iter__(self) -> Iterator[str]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,7 +19,7 @@ from typing import Any, Final, TypeVar
 
 from relforest.experiments.claims import Findings
 from relforest.experiments.runs import learn_in_folders
-from relforest.experiments.study import Obstacle, Place, Setting, Study, chosen_settings
+from relforest.experiments.study import Context, Setting, Study, Unavailable, chosen_settings
 from relforest.experiments.table import Row, Table
 from relforest.reports.figure_files import save_figure
 from relforest.runs.manifest import Manifest, checked_folder, held
@@ -84,22 +84,22 @@ def run_study(
     seed = at_least("seed", seed, 0)
     checked_jobs(n_jobs)
     chosen = chosen_settings(study, settings, only or {})
-    plain = [_plain(setting) for setting in settings]
+    plain = [asdict(setting) for setting in settings]
     manifest = Manifest(
         _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
     )
-    files = {index: _file(Place(seed, index, folder)) for index in chosen}
+    files = {index: _file(Context(seed, index, folder)) for index in chosen}
     unsaved = [settings[index] for index, file in files.items() if not file.exists()]
-    obstacles = {} if study.obstacles is None else study.obstacles(unsaved)
-    files = {index: file for index, file in files.items() if settings[index] not in obstacles}
-    notes = _notes(obstacles.values())
+    unavailable = {} if study.unavailable is None else study.unavailable(unsaved)
+    files = {index: file for index, file in files.items() if settings[index] not in unavailable}
+    notes = _notes(unavailable.values())
     if not files:
         raise InputError(" ".join(notes))
-    announce = on_progress or _silent
+    announce = on_progress or (lambda _line: None)
     for line in notes:
         announce(line)
     with held(folder, manifest, is_finished=lambda: all(file.exists() for file in files.values())):
-        _compute(study, {Place(seed, index, folder): settings[index] for index in files}, n_jobs, announce)
+        _compute(study, {Context(seed, index, folder): settings[index] for index in files}, n_jobs, announce)
         table = Table.of(
             {"id": f"{study.name}/{index}/{seed}", **row}
             for index, file in files.items()
@@ -109,15 +109,15 @@ def run_study(
 
 
 def _compute(
-    study: Study[S], chosen: Mapping[Place, S], n_jobs: int, announce: Callable[[str], None]
+    study: Study[S], chosen: Mapping[Context, S], n_jobs: int, announce: Callable[[str], None]
 ) -> None:
     """Compute the settings that have no file yet, and write their rows as soon as they are there."""
-    files = {place: _file(place) for place in chosen}
-    left = [place for place, file in files.items() if not file.exists()]
+    files = {context: _file(context) for context in chosen}
+    left = [context for context, file in files.items() if not file.exists()]
     for parent in {file.parent for file in files.values()}:
         remove_temporary_files(parent)
     if study.learned is not None:
-        runs = [study.learned(chosen[place], place) for place in left]
+        runs = [study.learned(chosen[context], context) for context in left]
         with ExitStack() as locks:
             for run in runs:
                 locks.enter_context(run.held())
@@ -128,22 +128,22 @@ def _compute(
     done = count(len(files) - len(left) + 1)
 
     def save(task: int, rows: list[Row]) -> None:
-        place = left[task]
+        context = left[task]
         header = {"format": _ROWS_FORMAT, "version": _ROWS_VERSION}
-        write_json(files[place], {**header, "setting": _plain(chosen[place]), "rows": rows})
-        announce(f"{study.name}: {next(done)} of {len(files)} done ({chosen[place]})")
+        write_json(files[context], {**header, "setting": asdict(chosen[context]), "rows": rows})
+        announce(f"{study.name}: {next(done)} of {len(files)} done ({chosen[context]})")
 
     run_tasks(
         _rows_of,
-        [(study.compute, chosen[place], place) for place in left],
+        [(study.compute, chosen[context], context) for context in left],
         n_jobs=1 if study.learned else n_jobs,
         prefer="processes",
         then=save,
     )
 
 
-def _file(place: Place) -> Path:
-    return place.folder / _SETTINGS / f"{place.index:04d}.json"
+def _file(context: Context) -> Path:
+    return context.folder / _SETTINGS / f"{context.index:04d}.json"
 
 
 def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -> Findings:
@@ -164,12 +164,12 @@ def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -
 
 def _warm_up(study: Study[S]) -> None:
     with TemporaryDirectory() as folder, one_blas_thread(), part("first a small setting"):
-        study.compute(study.smoke[0], Place(0, 0, Path(folder)))
+        study.compute(study.smoke[0], Context(0, 0, Path(folder)))
 
 
-def _rows_of(compute: Callable[[S, Place], list[Row]], setting: S, place: Place) -> list[Row]:
+def _rows_of(compute: Callable[[S, Context], list[Row]], setting: S, context: Context) -> list[Row]:
     with part(str(setting)):
-        return compute(setting, place)
+        return compute(setting, context)
 
 
 def _read_rows(file: Path, setting: Mapping[str, Any]) -> list[Row]:
@@ -191,18 +191,10 @@ def _is_cell(value: object) -> bool:
     return value is None or isinstance(value, (str, int, float))
 
 
-def _plain(setting: Setting) -> dict[str, Any]:
-    return {entry.name: getattr(setting, entry.name) for entry in fields(setting)}
-
-
-def _notes(obstacles: Collection[Obstacle]) -> list[str]:
+def _notes(unavailable: Collection[Unavailable]) -> list[str]:
     """Return a line per reason for which settings are left out."""
     lines = []
-    for reason in dict.fromkeys(obstacle.reason for obstacle in obstacles):
-        concerned = [obstacle.missing for obstacle in obstacles if obstacle.reason == reason]
+    for reason in dict.fromkeys(absence.reason for absence in unavailable):
+        concerned = [absence.missing for absence in unavailable if absence.reason == reason]
         lines.append(f"Left out ({len(concerned)} settings): {', '.join(dict.fromkeys(concerned))}. {reason}")
     return lines
-
-
-def _silent(_line: str) -> None:
-    """Drop a line."""

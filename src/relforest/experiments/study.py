@@ -33,7 +33,7 @@ S = TypeVar("S", bound=Setting)
 
 @final
 @dataclass(frozen=True, slots=True)
-class Place:
+class Context:
     """Where a setting is computed, and with which seed.
 
     Parameters
@@ -58,7 +58,7 @@ class Place:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Obstacle:
+class Unavailable:
     """Why a setting cannot be computed here.
 
     Parameters
@@ -73,10 +73,6 @@ class Obstacle:
     reason: str
 
 
-def _no_figures(_table: Table) -> Mapping[str, Figure]:
-    return {}
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class Study(Generic[S]):
@@ -87,14 +83,14 @@ class Study(Generic[S]):
     name : str
         As on the command line: that of its package.
     question : str
-        One sentence: the first line of the docstring of its package; see `heading`.
+        One sentence: the first line of the docstring of its package; see `heading` in `registry`.
     settings : tuple
         The whole study.
     smoke : tuple
         A small version that runs the same code in seconds.
     compute : callable
         Turns a setting into rows. It must be a function of a module, and draw its random numbers from
-        `Place.stream` or `Place.seed`.
+        `Context.stream` or `Context.seed`.
     summarize : callable
         Turns the table of all rows into findings.
     figures : callable
@@ -105,7 +101,7 @@ class Study(Generic[S]):
     choices : mapping of str to callable
         How settings are chosen: for each option of the command line, such as ``"methods"``, a function that
         returns the value of a setting.
-    obstacles : callable, optional
+    unavailable : callable, optional
         Returns those of the given settings that cannot be computed here, each with the reason.
     learned : callable, optional
         For a study of learners: the run that a setting is about, in a folder below that of the study. It is
@@ -116,13 +112,13 @@ class Study(Generic[S]):
     question: str
     settings: tuple[S, ...]
     smoke: tuple[S, ...]
-    compute: Callable[[S, Place], list[Row]]
+    compute: Callable[[S, Context], list[Row]]
     summarize: Callable[[Table], Findings]
-    figures: Callable[[Table], Mapping[str, Figure]] = _no_figures
+    figures: Callable[[Table], Mapping[str, Figure]] = lambda _table: {}
     compiles: bool = True
     choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
-    obstacles: Callable[[Sequence[S]], Mapping[S, Obstacle]] | None = None
-    learned: Callable[[S, Place], RunInFolder] | None = None
+    unavailable: Callable[[Sequence[S]], Mapping[S, Unavailable]] | None = None
+    learned: Callable[[S, Context], RunInFolder] | None = None
 
 
 def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, Sequence[str]]) -> list[int]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final, get_args
 
@@ -40,8 +40,7 @@ class Picture:
 
     def draw(self, folder: Path, env: gymnasium.Env[Any, Any]) -> Figure:
         """Draw what the run in a folder has learned."""
-        module, _, name = self.source.rpartition(".")
-        function: Callable[[Path, gymnasium.Env[Any, Any]], Figure] = getattr(import_module(module), name)
+        function: Callable[[Path, gymnasium.Env[Any, Any]], Figure] = resolve_name(self.source)
         return function(folder, env)
 
 

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -141,7 +140,16 @@ def _series_figure(series: Mapping[str, Runs], key: str, ylabel: str, title: str
         notes = sorted({len(runs) for runs in series.values() if len(runs) > 1})
         if notes:
             counts = " or ".join(map(str, notes))
-            _write_above(axes, f"mean and standard deviation of {counts} runs")
+            axes.annotate(
+                f"mean and standard deviation of {counts} runs",
+                (0.0, 1.0),
+                xycoords="axes fraction",
+                xytext=(0, 4),
+                textcoords="offset points",
+                va="bottom",
+                fontsize=8.0,
+                color=GREY,
+            )
         if title:
             axes.set_title(title, loc="left", pad=18.0 if notes else None, parse_math=False)
         if len(series) > 1:
@@ -149,16 +157,3 @@ def _series_figure(series: Mapping[str, Runs], key: str, ylabel: str, title: str
             for text in legend.get_texts():
                 text.set_parse_math(False)
     return figure
-
-
-def _write_above(axes: Axes, text: str) -> None:
-    axes.annotate(
-        text,
-        (0.0, 1.0),
-        xycoords="axes fraction",
-        xytext=(0, 4),
-        textcoords="offset points",
-        va="bottom",
-        fontsize=8.0,
-        color=GREY,
-    )

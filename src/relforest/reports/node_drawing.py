@@ -7,7 +7,7 @@ are rectangles. Lengths are in inches.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch, Patch, Polygon, Rectangle
@@ -28,6 +28,8 @@ _SMALL: Final = 7.0
 _TEXT: Final = 8.5
 _LARGE: Final = 11.0
 _LIT: Final = BLUE
+_ANSWERED: Final = 0.62
+"""Where on an edge its answer stands, as a share of it."""
 
 
 @final
@@ -126,7 +128,14 @@ def _draw_node(axes: Axes, node: Node, text: NodeText, box: Box, *, lit: bool) -
         _add(axes, Rectangle(corner, *size, facecolor=fill, linestyle="-" if seen else ":"), lit=lit)
         ink = INK if seen or lit else GREY
         y = _write(axes, text.tag, (box.center, box.top + _PADDING / 2), size=_SMALL, color=ink)
-        y = _write(axes, text.lines[0], (box.center, y), size=_LARGE, color=ink, bold=seen)
+        y = _write(
+            axes,
+            text.lines[0],
+            (box.center, y),
+            size=_LARGE,
+            color=ink,
+            fontweight="bold" if seen else "normal",
+        )
         _write(axes, text.lines[1], (box.center, y), size=_TEXT, color=ink)
     elif isinstance(node, Question):
         shape = "round,pad=0,rounding_size=0.12"
@@ -159,37 +168,17 @@ def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) ->
         clip_on=False,
     )
     if answer:
-        share = 0.62
-        x = above.center + share * (below.center - above.center)
-        y = above.bottom + share * (below.top - above.bottom)
-        axes.text(
-            x,
-            y,
-            answer.capitalize(),
-            ha="center",
-            va="center",
-            fontsize=_TEXT,
-            color=GREY if answer == "error" else INK,
-            fontweight="bold" if lit else "normal",
-            bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 1.5},
-        )
+        x = above.center + _ANSWERED * (below.center - above.center)
+        y = above.bottom + _ANSWERED * (below.top - above.bottom)
+        style: dict[str, Any] = {"ha": "center", "va": "center", "color": GREY if answer == "error" else INK}
+        box = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.5}
+        weight = "bold" if lit else "normal"
+        axes.text(x, y, answer.capitalize(), fontsize=_TEXT, fontweight=weight, bbox=box, **style)
 
 
-def _write(
-    axes: Axes, text: str, at: tuple[float, float], *, size: float, color: str = INK, bold: bool = False
-) -> float:
+def _write(axes: Axes, text: str, at: tuple[float, float], *, size: float, **style: Any) -> float:  # noqa: ANN401
     """Write a centred line with its top at ``at``, and return the top of the next line."""
     height = line_height(size)
-    axes.text(
-        at[0],
-        at[1] + height / 2,
-        text,
-        ha="center",
-        va="center",
-        fontsize=size,
-        color=color,
-        fontweight="bold" if bold else "normal",
-        parse_math=False,
-        clip_on=False,
-    )
+    style = {"ha": "center", "va": "center", "color": INK, "parse_math": False, "clip_on": False, **style}
+    axes.text(at[0], at[1] + height / 2, text, fontsize=size, **style)
     return at[1] + height

@@ -14,13 +14,13 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
-from relforest.reports.style import BLUE, GOLD, GREEN, GREY, INK, ORANGE, PALE, PAPER, PINK, SKY, styled
+from relforest.reports.style import BLUE, GOLD, GREEN, GREY, INK, ORANGE, PAPER, PINK, SKY, styled
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range
 from relforest.worlds.keepaway.decisions.variables import n_variables, state_variables
 
-Evaluate = Callable[[NDArray[np.float64]], NDArray[np.float64] | NDArray[np.int64]]
-"""Maps states, (m, n, c) as `Formation.players`, to action values, (m, actions), or to actions, (m,)."""
+Evaluate = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Maps states, (m, n, c) as `Formation.players`, to action values, (m, actions)."""
 
 ACTION_COLORS: Final = (ORANGE, GREEN, BLUE, PINK, GOLD, SKY)
 """Hold, pass to 2, pass to 3 (reddish, greenish and bluish as in the source), and so on."""
@@ -65,15 +65,15 @@ class Preferences:
     x, y : (columns,) and (rows,) float64
         Positions of the takers' centre, in metres, ascending.
     actions : (rows, columns) int64
-        The preferred action, -1 = unknown.
-    margins : (rows, columns) float64, or None
-        Its lead over the next best action; None if the policy does not return values.
+        The preferred action.
+    margins : (rows, columns) float64
+        Its lead over the next best action.
     """
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     actions: NDArray[np.int64]
-    margins: NDArray[np.float64] | None
+    margins: NDArray[np.float64]
 
 
 def policy_map_figure(
@@ -97,9 +97,8 @@ def policy_map_figure(
     formations : sequence of Formation
         One panel each.
     evaluate : callable
-        The policy: maps states, (m, n, c), to the values of actions, (m, keepers), NaN = unknown, or only to
-        the preferred actions, (m,) of an integer type. Action 0 = hold, k = pass to the k-th nearest
-        teammate.
+        The policy: maps states, (m, n, c), to the values of actions, (m, keepers). Action 0 = hold, k = pass
+        to the k-th nearest teammate.
     keepers : int
         Number of keepers.
     field : (float, float)
@@ -120,8 +119,7 @@ def policy_map_figure(
     if not formations:
         raise InputError("nothing to draw: pass at least one formation")
     maps = [preferences(item, evaluate, keepers=keepers, field=field, step=step) for item in formations]
-    known = [item.margins[item.actions >= 0] for item in maps if item.margins is not None]
-    scale = float(np.quantile(np.concatenate(known), 0.95)) if any(map(len, known)) else 0.0
+    scale = float(np.quantile(np.concatenate([item.margins.ravel() for item in maps]), 0.95))
     named = 0.25 * any(formation.title for formation in formations)
     legend = 0.2 * (keepers // (_PER_PANEL * len(maps)) + 1) + 0.15 * (scale > 0)
     height = _PANEL * field[1] / field[0] + _BELOW + legend + named + (0.3 if title else 0.0)
@@ -139,7 +137,7 @@ def policy_map_figure(
             if formation.title:
                 axes.set_title(formation.title, loc="left", parse_math=False)
         panels[0].set_ylabel("y of the takers' centre (m)")
-        _explain(figure, maps, keepers, scale)
+        _explain(figure, _PER_PANEL * len(maps), keepers, scale)
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=11, parse_math=False)
     return figure
@@ -174,19 +172,16 @@ def preferences(
     centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 1, 2)
     states = np.repeat(players[None], len(centres), axis=0)
     states[:, keepers:, :2] += centres - players[keepers:, :2].mean(axis=0)
-    answers = np.asarray(evaluate(states))
+    answers = np.asarray(evaluate(states), dtype=np.float64)
     form = (len(y), len(x))
-    if answers.shape == (len(states),) and np.issubdtype(answers.dtype, np.integer):
-        if (answers < 0).any() or (answers >= keepers).any():
-            raise InputError(f"a policy of {keepers} keepers chose an action outside 0 to {keepers - 1}")
-        return Preferences(x, y, answers.astype(np.int64).reshape(form), None)
     if answers.shape != (len(states), keepers):
         raise InputError(
-            f"the policy must return one value per state and action, {(len(states), keepers)}, or one "
-            f"integer per state, got {answers.dtype} of the shape {answers.shape}"
+            f"the policy must return one value per state and action, {(len(states), keepers)}, got the shape "
+            f"{answers.shape}"
         )
-    actions, margins = _best(answers.astype(np.float64))
-    return Preferences(x, y, actions.reshape(form), margins.reshape(form))
+    ordered = np.sort(answers, axis=1)
+    margins = ordered[:, -1] - ordered[:, -2]
+    return Preferences(x, y, answers.argmax(axis=1).reshape(form), margins.reshape(form))
 
 
 def on_variables(
@@ -198,14 +193,14 @@ def on_variables(
     ----------
     function : callable
         Maps the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
-        (keepers,), or to the preferred action.
+        (keepers,).
     keepers : int
         Number of keepers.
     actor : int
         The keeper with the ball; the ball is assumed to be at its position.
     """
 
-    def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64] | NDArray[np.int64]:
+    def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
         answers = []
         for players in states:
             variables = np.empty(n_variables(keepers, len(players) - keepers))
@@ -223,27 +218,13 @@ def _places(side: float, step: float) -> NDArray[np.float64]:
     return np.linspace(half - side / 2, side / 2 - half, count)
 
 
-def _best(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the best action of each row (-1 = unknown), and its lead over the next best."""
-    known = np.where(np.isnan(values), -np.inf, values)
-    ordered = np.sort(known, axis=1)
-    compared = np.isfinite(ordered[:, -2])
-    leads: NDArray[np.float64] = np.zeros(len(values))
-    np.subtract(ordered[:, -1], ordered[:, -2], out=leads, where=compared)
-    return np.where(np.isneginf(ordered[:, -1]), -1, known.argmax(axis=1)), leads
-
-
 def _draw_map(axes: Axes, found: Preferences, scale: float, step: float) -> None:
-    palette = np.array(
-        [to_rgb(ACTION_COLORS[k % len(ACTION_COLORS)]) for k in range(found.actions.max() + 1)]
-    )
-    if found.margins is None or scale <= 0:
-        strength = np.full(found.actions.shape, 0.6)
-    else:
+    colors = np.array([to_rgb(color) for color in ACTION_COLORS])[found.actions % len(ACTION_COLORS)]
+    strength = np.full(found.actions.shape, 0.6)
+    if scale > 0:
         strength = _PALEST + (1 - _PALEST) * np.clip(found.margins / scale, 0, 1)
     ground = np.ones((*found.actions.shape, 3))
-    image = ground + strength[:, :, None] * (palette[found.actions] - ground) if len(palette) else ground
-    image[found.actions < 0] = to_rgb(PALE)
+    image = ground + strength[:, :, None] * (colors - ground)
     halves = [
         (values[-1] - values[0]) / 2 / max(len(values) - 1, 1) or step / 2 for values in (found.x, found.y)
     ]
@@ -278,18 +259,16 @@ def _draw_players(axes: Axes, formation: Formation, keepers: int) -> None:
     )
 
 
-def _explain(figure: Figure, maps: Sequence[Preferences], keepers: int, scale: float) -> None:
+def _explain(figure: Figure, columns: int, keepers: int, scale: float) -> None:
     names = ["hold", *(f"pass to {number}" for number in range(2, keepers + 1))]
     marks = [
         Patch(facecolor=ACTION_COLORS[action % len(ACTION_COLORS)], label=name)
         for action, name in enumerate(names)
     ]
-    if any((found.actions < 0).any() for found in maps):
-        marks.append(Patch(facecolor=PALE, label="unknown"))
     legend = figure.legend(
         handles=marks,
         loc="outside lower left",
-        ncols=_PER_PANEL * len(maps),
+        ncols=columns,
         handlelength=1.0,
         title=f"darkest: better than the next by {scale:.3g} or more" if scale > 0 else None,
         title_fontsize=8.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -74,16 +74,12 @@ def draw_panel(
     left, top = place
     variables = ", ".join(map(variable_name, node.variables))
     title = shortened(f"{name}  {node.mapping.name}", PANEL_WIDTH - 0.2, _TITLE, "bold")
-    _write(figure, page, (left + 0.1, top), title, size=_TITLE, bold=True)
-    _write(figure, page, (left + 0.1, top + line_height(_TITLE)), f"of {variables}", size=_TABLE, color=GREY)
-    plot_left, plot_top = left + _PLOT_LEFT, top + _TITLE_HEIGHT
-    bounds = (
-        plot_left / page.width,
-        1.0 - (plot_top + _PLOT_HEIGHT) / page.height,
-        _PLOT_WIDTH / page.width,
-        _PLOT_HEIGHT / page.height,
+    _write(figure, page, (left + 0.1, top), title, fontsize=_TITLE, fontweight="bold")
+    _write(
+        figure, page, (left + 0.1, top + line_height(_TITLE)), f"of {variables}", fontsize=_TABLE, color=GREY
     )
-    axes = figure.add_axes(bounds)
+    plot_left, plot_top = left + _PLOT_LEFT, top + _TITLE_HEIGHT
+    axes = figure.add_axes(page.bounds((plot_left, plot_top), _PLOT_WIDTH, _PLOT_HEIGHT))
     axes.tick_params(labelsize=_TABLE, length=2.5, pad=1.5)
     axes.xaxis.label.set_fontsize(_TABLE)
     axes.yaxis.label.set_fontsize(_TABLE)
@@ -91,33 +87,14 @@ def draw_panel(
     draw_volume(axes, node.mapping, node.volume, points, witness)
     y = plot_top + _PLOT_HEIGHT + _AXIS_HEIGHT
     for row, value in volume_table(node.volume):
-        _write(figure, page, (plot_left, y), row, size=_TABLE, color=GREY)
+        _write(figure, page, (plot_left, y), row, fontsize=_TABLE, color=GREY)
         text = shortened(value, PANEL_WIDTH - _PLOT_LEFT - _NAME_WIDTH + 0.4, _TABLE)
-        _write(figure, page, (plot_left + _NAME_WIDTH - 0.4, y), text, size=_TABLE)
+        _write(figure, page, (plot_left + _NAME_WIDTH - 0.4, y), text, fontsize=_TABLE)
         y += line_height(_TABLE)
 
 
-def _write(
-    figure: Figure,
-    page: Page,
-    place: Place,
-    text: str,
-    *,
-    size: float,
-    color: str | None = None,
-    bold: bool = False,
-) -> None:
-    figure.text(
-        place[0] / page.width,
-        1.0 - place[1] / page.height,
-        text,
-        ha="left",
-        va="top",
-        fontsize=size,
-        color=color,
-        fontweight="bold" if bold else "normal",
-        parse_math=False,
-    )
+def _write(figure: Figure, page: Page, place: Place, text: str, **style: Any) -> None:  # noqa: ANN401
+    figure.text(*page.at(place), text, ha="left", va="top", parse_math=False, **style)
 
 
 def _vector(values: NDArray[np.float64]) -> str:

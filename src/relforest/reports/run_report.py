@@ -43,15 +43,14 @@ def averages_table(runs: Sequence[Sequence[Mapping[str, Any]]], names: Sequence[
 
     The first name must be that of the iteration.
     """
-    columns: list[list[str]] = []
+    iterations = sorted({int(row["iteration"]) for run in runs for row in run})
+    columns = []
     for name in names[1:]:
         measured = [[row for row in run if row.get(name) is not None] for run in runs]
-        iterations, means, deviations = mean_and_deviation(measured, name)
-        cells = dict(zip(iterations.tolist(), zip(means, deviations, strict=True), strict=True))
-        columns.append(
-            [f"{cells[i][0]:.3f} ({cells[i][1]:.3f})" if i in cells else "-" for i in _iterations(runs)]
-        )
-    rows = [[str(i), *cells] for i, *cells in zip(_iterations(runs), *columns, strict=True)]
+        found = zip(*mean_and_deviation(measured, name), strict=True)
+        cells = {int(i): f"{mean:.3f} ({deviation:.3f})" for i, mean, deviation in found}
+        columns.append([cells.get(i, "-") for i in iterations])
+    rows = [[str(i), *cells] for i, *cells in zip(iterations, *columns, strict=True)]
     return _aligned(names, rows)
 
 
@@ -74,10 +73,6 @@ def _cell(value: object) -> str:
     if value is None:
         return "-"
     return f"{value:.3f}" if isinstance(value, float) else str(value)
-
-
-def _iterations(runs: Sequence[Sequence[Mapping[str, Any]]]) -> list[int]:
-    return sorted({int(row["iteration"]) for run in runs for row in run})
 
 
 def _aligned(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

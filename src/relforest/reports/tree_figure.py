@@ -129,15 +129,8 @@ def _weight(size: float) -> Weight:
 def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *, legend: bool) -> None:
     y = MARGIN
     for text, size in head:
-        figure.text(
-            MARGIN / page.width,
-            1 - y / page.height,
-            text,
-            va="top",
-            fontsize=size,
-            fontweight=_weight(size),
-            parse_math=False,
-        )
+        place = page.at((MARGIN, y))
+        figure.text(*place, text, va="top", fontsize=size, fontweight=_weight(size), parse_math=False)
         y += line_height(size)
     if legend:
         marks = [
@@ -147,7 +140,7 @@ def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *,
         figure.legend(
             handles=marks,
             loc="upper left",
-            bbox_to_anchor=(MARGIN / page.width, 1 - y / page.height),
+            bbox_to_anchor=page.at((MARGIN, y)),
             ncols=2,
             borderpad=0.1,
             borderaxespad=0.0,
@@ -158,14 +151,7 @@ def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *,
 
 def _tree_axes(figure: Figure, page: Page, layout: Layout) -> Axes:
     """Add axes in inches, with y pointing down from the top of the tree."""
-    left, top = page.tree
-    bounds = (
-        left / page.width,
-        1.0 - (top + layout.height) / page.height,
-        layout.width / page.width,
-        layout.height / page.height,
-    )
-    axes = figure.add_axes(bounds)
+    axes = figure.add_axes(page.bounds(page.tree, layout.width, layout.height))
     axes.set_xlim(0.0, layout.width)
     axes.set_ylim(layout.height, 0.0)
     axes.set_axis_off()

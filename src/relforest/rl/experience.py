@@ -211,15 +211,8 @@ def _column(name: str, values: NDArray[Any], kind: type[Any], ndim: int) -> NDAr
 
 
 def _check_offsets(name: str, offsets: IntArray, end: int) -> None:
-    # Bounds are checked first, because differences could overflow.
-    bounded = (
-        len(offsets)
-        and offsets[0] == 0
-        and offsets[-1] == end
-        and offsets.min() == 0
-        and offsets.max() == end
-    )
-    if not bounded or (np.diff(offsets) < 0).any():
+    rises = len(offsets) and offsets[0] == 0 and offsets[-1] == end and (offsets[:-1] <= offsets[1:]).all()
+    if not rises:
         raise InputError(f"{name} must be offsets that rise from 0 to {end}")
 
 

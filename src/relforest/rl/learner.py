@@ -75,11 +75,8 @@ class RPILearner:
     settings : RPISettings
     seed : SeedSequence
         Of the whole run.
-    episodes : int
-        Episodes of training experience per iteration: uniformly random actions in the first iteration,
-        epsilon-greedy ones later.
-    test_episodes : int
-        Greedy episodes after each iteration, for the metrics only.
+    episodes, test_episodes : int
+        Per iteration, see `relforest.rl.rpi.SMRFRPI.learn`.
     n_jobs : int
         Candidate trees learned at the same time, in threads. The result does not depend on it.
     """

@@ -1,6 +1,6 @@
 """A learned policy as plain values: a description, weights, and one JSON file per tree in ``trees/``.
 
-`describe` and `rebuild` convert a value function to and from JSON, with its trees in separate files. The
+`describe` and `policy_of` convert a value function to and from JSON, with its trees in separate files. The
 checkpoint of a run contains the description and the weights; ``policy.json`` and ``weights.npz`` repeat them
 for reading.
 """
@@ -51,46 +51,6 @@ def describe(value: ValueFunction, tree_names: TreeNames) -> dict[str, Any]:
     return {"schema": value.schema.to_dict(), "features": value.features, "actions": actions}
 
 
-def rebuild(
-    document: Mapping[str, Any], weights: Mapping[str, FloatArray], folder: Path, origin: str
-) -> tuple[ValueFunction, TreeNames]:
-    """Build the value function from a description.
-
-    Parameters
-    ----------
-    document : mapping
-        Contains the output of `describe`.
-    weights : mapping of str to (k_a,) float64
-        Weights, by the names used in the description.
-    folder : path
-        The folder that contains the folder of trees.
-    origin : str
-        Where the description comes from, for error messages.
-
-    Raises
-    ------
-    ModelFormatError
-        If a part is missing or malformed, or the parts do not match.
-    """
-    with well_formed(f"{origin} does not describe a policy"):
-        check_counts({"nodes": (), "schema": document["schema"]})
-        schema = Schema.from_dict(document["schema"])
-        actions = [dict(entry) for entry in document["actions"]]
-        if len(actions) > MAX_ACTIONS:
-            raise ModelFormatError(
-                f"{len(actions)} action types are too many: at most {MAX_ACTIONS} are allowed"
-            )
-        kinds = tuple(ActionType(entry["name"], _listed(entry, "parameters")) for entry in actions)
-        names = tuple(tuple(map(_file_name, _listed(entry, "trees"))) for entry in actions)
-        (repeated, count), *_ = Counter(name for own in names for name in own).most_common(1) or [("", 0)]
-        if count > 1:
-            raise ModelFormatError(f"it lists the tree {repeated!r:.100} {count} times")
-        features: FeatureMode = document["features"]
-        vectors = tuple(weights[entry["weights"]] for entry in actions)
-        forests = tuple(tuple(_read_tree(folder / TREES / name) for name in own) for own in names)
-        return ValueFunction(schema, kinds, features, forests, vectors), names
-
-
 def derived_files(
     value: ValueFunction, tree_names: TreeNames, iteration: int
 ) -> dict[str, Mapping[str, Any]]:
@@ -122,7 +82,23 @@ def policy_of(document: Mapping[str, Any], folder: Path) -> tuple[ValueFunction,
     with well_formed(f"{origin} is damaged", "restore it from a copy or start again in another folder"):
         weights = {name: _vector(name, vector) for name, vector in document["weights"].items()}
         policy = dict(document["policy"])
-    return rebuild(policy, weights, folder, origin)
+    with well_formed(f"{origin} does not describe a policy"):
+        check_counts({"nodes": (), "schema": policy["schema"]})
+        schema = Schema.from_dict(policy["schema"])
+        actions = [dict(entry) for entry in policy["actions"]]
+        if len(actions) > MAX_ACTIONS:
+            raise ModelFormatError(
+                f"{len(actions)} action types are too many: at most {MAX_ACTIONS} are allowed"
+            )
+        kinds = tuple(ActionType(entry["name"], _listed(entry, "parameters")) for entry in actions)
+        names = tuple(tuple(map(_file_name, _listed(entry, "trees"))) for entry in actions)
+        (repeated, count), *_ = Counter(name for own in names for name in own).most_common(1) or [("", 0)]
+        if count > 1:
+            raise ModelFormatError(f"it lists the tree {repeated!r:.100} {count} times")
+        features: FeatureMode = policy["features"]
+        vectors = tuple(weights[entry["weights"]] for entry in actions)
+        forests = tuple(tuple(_read_tree(folder / TREES / name) for name in own) for own in names)
+        return ValueFunction(schema, kinds, features, forests, vectors), names
 
 
 def tree_name(iteration: int, slug: str, number: int) -> str:

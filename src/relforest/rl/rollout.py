@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, SupportsFloat
+from collections.abc import Sequence
+from typing import Any, Protocol, SupportsFloat, TypeAlias
 
 import numpy as np
 
 from relforest.rl.experience import Experience
 from relforest.rl.policy import Policy
-from relforest.rl.recorder import Recorder
-from relforest.smdp import World
+from relforest.scenes.arrays import IntArray
+from relforest.smdp import Decision, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report
 from relforest.support.rng import generator, stream
 
 _RESET, _CHOICES = 0, 1
+
+_Step: TypeAlias = tuple[int, int, float, float, bool, bool]
+"""State, position of the action, discounted reward, duration, terminal, truncated."""
 
 
 class Environment(Protocol):
@@ -52,9 +56,7 @@ def world_of(env: Environment) -> World:
     return world
 
 
-def rollout(
-    env: Environment, policy: Policy, episodes: int, seed: np.random.SeedSequence, *, first: int = 0
-) -> Experience:
+def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.SeedSequence) -> Experience:
     """Play episodes and return everything that happened.
 
     Parameters
@@ -67,8 +69,6 @@ def rollout(
         How many, at least 1.
     seed : numpy.random.SeedSequence
         Episode ``i`` uses two streams named by ``i``, one for the world and one for the policy.
-    first : int
-        Number of the first episode: 250 episodes and then 250 with ``first=250`` are the same as 500 at once.
 
     Raises
     ------
@@ -80,35 +80,80 @@ def rollout(
     Palmer (2015), section 6.3 (gathering experience).
     """
     world = world_of(env)
-    recorder = Recorder(world.schema.width, max((kind.arity for kind in world.action_types), default=0))
-    first = at_least("first", first, 0)
-    for episode in range(first, first + at_least("episodes", episodes, 1)):
-        report("episodes", episode - first, episodes)
+    decisions: list[Decision] = []
+    steps: list[_Step] = []
+    totals = []
+    for episode in range(at_least("episodes", episodes, 1)):
+        report("episodes", episode, episodes)
         # Worlds written in other languages may accept only 32 bits.
         env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
-        _play(env, world, policy, generator(stream(seed, episode, _CHOICES)), recorder)
-    return recorder.finish()
+        totals.append(_play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps))
+    return _experience(world, decisions, steps, totals)
 
 
 def _play(
-    env: Environment, world: World, policy: Policy, rng: np.random.Generator, recorder: Recorder
-) -> None:
+    env: Environment,
+    policy: Policy,
+    rng: np.random.Generator,
+    decisions: list[Decision],
+    steps: list[_Step],
+) -> tuple[float, float]:
+    """Play an episode, note its states and transitions, and return its total reward and its duration."""
+    world = world_of(env)
     decision, total, elapsed, ended = world.decision(), 0.0, 0.0, False
-    state = recorder.state(decision)
+    decisions.append(decision)
     while not ended:
         if not len(decision):
             raise InputError(
                 f"{type(world).__name__} offers no action in a state that does not end the episode"
             )
-        position = policy.choose(decision, rng)
+        state, position = len(decisions) - 1, policy.choose(decision, rng)
         _, reward, terminal, truncated, info = env.step(int(decision.indices[position]))
         duration = _duration(info, world)
         decision = world.decision()
-        after = recorder.state(decision)
+        decisions.append(decision)
         discounted = float(info.get("discounted_reward", reward))
-        recorder.transition(state, position, discounted, duration, (bool(terminal), bool(truncated)))
-        total, elapsed, ended, state = total + float(reward), elapsed + duration, terminal or truncated, after
-    recorder.episode(total, elapsed)
+        steps.append((state, position, discounted, duration, bool(terminal), bool(truncated)))
+        total, elapsed, ended = total + float(reward), elapsed + duration, terminal or truncated
+    return total, elapsed
+
+
+def _experience(
+    world: World,
+    decisions: Sequence[Decision],
+    steps: Sequence[_Step],
+    totals: Sequence[tuple[float, float]],
+) -> Experience:
+    """Lay out what happened in columns; the state after a step is the next one noted."""
+    arity = max((kind.arity for kind in world.action_types), default=0)
+    states, positions, rewards, durations, terminal, truncated = zip(*steps, strict=True)
+    candidates = _offsets([len(decision) for decision in decisions])
+    before = np.array(states, dtype=np.int64)
+    return Experience(
+        matrix=np.concatenate(
+            [np.empty((0, world.schema.width)), *(decision.objects for decision in decisions)]
+        ),
+        objects=_offsets([decision.n_objects for decision in decisions]),
+        private=np.array([decision.n_private for decision in decisions], dtype=np.int64),
+        candidates=candidates,
+        types=np.concatenate([np.empty(0, np.int64), *(decision.types for decision in decisions)]),
+        arguments=np.concatenate(
+            [np.empty((0, arity), np.int64), *(decision.arguments for decision in decisions)]
+        ),
+        states=before,
+        next_states=before + 1,
+        actions=candidates[before] + np.array(positions, dtype=np.int64),
+        rewards=np.array(rewards, dtype=np.float64),
+        durations=np.array(durations, dtype=np.float64),
+        terminal=np.array(terminal, dtype=np.bool_),
+        truncated=np.array(truncated, dtype=np.bool_),
+        episode_rewards=np.array([total for total, _ in totals], dtype=np.float64),
+        episode_durations=np.array([elapsed for _, elapsed in totals], dtype=np.float64),
+    )
+
+
+def _offsets(counts: Sequence[int]) -> IntArray:
+    return np.cumsum([0, *counts], dtype=np.int64)
 
 
 def _duration(info: dict[str, Any], world: World) -> float:

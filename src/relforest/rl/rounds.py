@@ -16,12 +16,11 @@ import numpy as np
 from relforest.forests.tree_features import tree_features
 from relforest.rl.bellman import error_labels, look_ahead
 from relforest.rl.experience import BoolArray
-from relforest.rl.features import forest_features
 from relforest.rl.lspi import LSPIResult, lspi
 from relforest.rl.samples import Samples
 from relforest.rl.selection import Fit, fit_of, select
 from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction
+from relforest.rl.value import ValueFunction, forest_features
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.parallel import run_tasks
 from relforest.support.progress import part, report
@@ -157,31 +156,24 @@ def _candidate(
     name: str, now: _Round, kind: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
 ) -> Candidate | None:
     """Learn one tree on a random part of the latest batch and test it; None for a stub."""
-    with part(name):
-        return _learned(now, kind, own, attempt, seed)
-
-
-def _learned(
-    now: _Round, kind: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
-) -> Candidate | None:
     settings, scenes = now.settings, now.samples.scenes[kind]
     count = min(settings.max_scenes, len(own))
     drawn = generator(stream(seed, _SCENES)).choice(own, count, replace=False)
     labels = now.labels[drawn] if attempt < settings.trees_per_label else ~now.labels[drawn]
     if labels.all() or not labels.any():
         return None
-    growth = grow(
-        scenes.take(now.samples.latest.rows[drawn]),
-        labels,
-        rng=generator(stream(seed, _GROWTH)),
-        settings=settings.tree,
-    )
-    if growth.tree.is_stub:
-        return None
-    report("testing the tree")
-    columns = tree_features(growth.tree, query(growth.tree, scenes), settings.features)
-    fit = _tested(now, kind, columns) if settings.wrapper else None
-    return Candidate(growth, columns, fit)
+    with part(name):
+        growth = grow(
+            scenes.take(now.samples.latest.rows[drawn]),
+            labels,
+            rng=generator(stream(seed, _GROWTH)),
+            settings=settings.tree,
+        )
+        if growth.tree.is_stub:
+            return None
+        report("testing the tree")
+        columns = tree_features(growth.tree, query(growth.tree, scenes), settings.features)
+        return Candidate(growth, columns, _tested(now, kind, columns) if settings.wrapper else None)
 
 
 def _tested(now: _Round, kind: int, columns: FloatArray) -> Fit:

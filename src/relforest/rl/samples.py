@@ -95,17 +95,10 @@ def draw_samples(
         For each action type the world's attributes with the parameters of that type.
     discount : float
         Discount factor per unit of duration.
-    max_samples : int
-        Largest number of transitions for LSPI, drawn without replacement from all batches.
-    bootstrap_on_truncation : bool
-        Whether to use the value of the state in which a time limit cut an episode. The source does not
-        say; True treats the limit as part of the experiment, not of the task.
+    max_samples, bootstrap_on_truncation
+        As in `relforest.rl.settings.RPISettings`; transitions are drawn without replacement from all batches.
     seed : numpy.random.SeedSequence
         The random stream for this draw.
-
-    Returns
-    -------
-    Samples
 
     References
     ----------

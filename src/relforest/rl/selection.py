@@ -38,15 +38,6 @@ class Fit:
     n_samples: int
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class FTest:
-    """Comparison of two nested representations; `statistic` may be infinite."""
-
-    statistic: float
-    p_value: float
-
-
 def fit_of(lookahead: Lookahead, n_features: int) -> Fit:
     """Summarise the outcome of LSPI for the test.
 
@@ -62,24 +53,24 @@ def fit_of(lookahead: Lookahead, n_features: int) -> Fit:
     return Fit(scaled, n_features, len(lookahead.values))
 
 
-def f_test(old: Fit, new: Fit) -> FTest:
-    """Test whether the features that `new` has more than `old` reduce the error beyond chance.
+def f_test(old: Fit, new: Fit) -> tuple[float, float]:
+    """Return statistic (perhaps infinite) and p-value of the features that `new` has more than `old`.
 
     F = ((SS0 - SS1) / (k1 - k0)) / (SS1 / (n - k1)), with k1 - k0 and n - k1 degrees of freedom, where k
     counts the features in use. Without added features, improvement or degrees of freedom the p-value is 1.
 
     Examples
     --------
-    >>> f_test(Fit(120.0, 2, 104), Fit(100.0, 4, 104)).statistic
+    >>> f_test(Fit(120.0, 2, 104), Fit(100.0, 4, 104))[0]
     10.0
     """
     added, free = new.n_features - old.n_features, new.n_samples - new.n_features
     if added <= 0 or free <= 0 or not new.squared_error < old.squared_error:
-        return FTest(0.0, 1.0)
+        return 0.0, 1.0
     if math.isinf(old.squared_error) or new.squared_error == 0.0:
-        return FTest(math.inf, 0.0)
+        return math.inf, 0.0
     statistic = ((old.squared_error - new.squared_error) / added) / (new.squared_error / free)
-    return FTest(statistic, float(stats.f.sf(statistic, added, free)))
+    return statistic, float(stats.f.sf(statistic, added, free))
 
 
 def select(old: Fit, candidates: Sequence[Fit], threshold: float) -> int | None:
@@ -88,9 +79,9 @@ def select(old: Fit, candidates: Sequence[Fit], threshold: float) -> int | None:
     Among equal p-values (0 by underflow, most often) the larger statistic wins, then the smaller error, then
     the earlier candidate.
     """
-    tests = [f_test(old, candidate) for candidate in candidates]
-    order = sorted(
-        range(len(candidates)),
-        key=lambda i: (tests[i].p_value, -tests[i].statistic, candidates[i].squared_error, i),
-    )
-    return order[0] if order and tests[order[0]].p_value < threshold else None
+    keys = []
+    for position, candidate in enumerate(candidates):
+        statistic, p_value = f_test(old, candidate)
+        keys.append((p_value, -statistic, candidate.squared_error, position))
+    best = min(keys, default=None)
+    return best[-1] if best is not None and best[0] < threshold else None

@@ -77,7 +77,8 @@ class RPISettings:
     max_rounds : int
         Largest number of rounds of representation and policy learning per iteration; unlimited in the source.
     bootstrap_on_truncation : bool
-        Whether to use the value of a state in which a time limit cut the episode. The source does not say.
+        Whether to use the value of a state in which a time limit cut the episode, so that the limit is part
+        of the experiment, not of the task. The source does not say.
     wrapper : bool
         Whether candidates are tested by learning a policy with them. False keeps, in every round, the tree
         learned with the highest significance, to show the benefit of the test (section 7.3.2).

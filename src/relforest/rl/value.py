@@ -12,8 +12,7 @@ from typing import final
 
 import numpy as np
 
-from relforest.forests.tree_features import leaf_widths, width
-from relforest.rl.features import forest_features
+from relforest.forests.tree_features import leaf_widths, tree_features, width
 from relforest.rl.kernels import ForestArrays, forest_values
 from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.scenes import Scenes, Schema
@@ -22,7 +21,7 @@ from relforest.smdp import ActionType, Decision
 from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
-from relforest.trees import Tree
+from relforest.trees import Tree, query
 from relforest.trees.kernels import query_work
 from relforest.trees.packing import CHILDREN, VOLUME
 
@@ -139,6 +138,12 @@ class ValueFunction:
 def action_schemas(schema: Schema, action_types: Sequence[ActionType]) -> tuple[Schema, ...]:
     """Return the schema of the scenes of each action type, with the parameters of the type."""
     return tuple(Schema(schema.attributes, action_type.parameters) for action_type in action_types)
+
+
+def forest_features(trees: Sequence[Tree], scenes: Scenes, mode: FeatureMode) -> FloatArray:
+    """Return the features of one action type, (n, k): a constant 1 (the bias), then each tree's columns."""
+    columns = [tree_features(tree, query(tree, scenes), mode) for tree in trees]
+    return np.hstack([np.ones((len(scenes), 1)), *columns])
 
 
 def _pack_forest(trees: Sequence[Tree], weights: FloatArray, mode: FeatureMode) -> ForestArrays:

@@ -28,12 +28,12 @@ from relforest.experiments.blocks.settings import (
     UNIFORM_RGB,
     BlocksSetting,
 )
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 
 
 def measured(part: str, condition: str, count: int = 1, *, seed: int = 0) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
-    for row in compute(BlocksSetting(part, condition, count), Place(seed, 0, Path())):
+    for row in compute(BlocksSetting(part, condition, count), Context(seed, 0, Path())):
         assert (row["part"], row["condition"], row["chunk"]) == (part, condition, 0)
         found.setdefault(str(row["measure"]), []).append(float(row["value"] or 0))
     return found

@@ -6,7 +6,7 @@ import numpy as np
 
 from relforest.experiments.calibration.run import compute, noise
 from relforest.experiments.calibration.settings import PERMUTATION, CalibrationSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 
 
 def test_noise_has_the_size_asked_for_and_balanced_labels() -> None:
@@ -22,8 +22,8 @@ def test_noise_has_the_size_asked_for_and_balanced_labels() -> None:
 
 def test_every_set_is_drawn_anew_and_repeatably(tmp_path: Path) -> None:
     setting = CalibrationSetting(PERMUTATION, 1, 1, 0, n_sets=3, n_scenes=12, permutations=19)
-    rows = compute(setting, Place(0, 0, tmp_path))
+    rows = compute(setting, Context(0, 0, tmp_path))
 
     assert [row["set"] for row in rows] == [0, 1, 2]
     assert {type(row["accepted"]) for row in rows} == {bool}
-    assert rows == compute(setting, Place(0, 0, tmp_path))
+    assert rows == compute(setting, Context(0, 0, tmp_path))

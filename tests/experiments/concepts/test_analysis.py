@@ -33,7 +33,7 @@ TABLE = Table.of(
 
 
 def test_trees_are_told_apart_by_concept_test_scenes_and_method() -> None:
-    found = [(trees.concept, trees.test, trees.method, len(trees.rows)) for trees in concept_models(TABLE)]
+    found = [(*names, len(own)) for *names, own in concept_models(TABLE)]
 
     assert found == [
         ("between", "same", "tree, 0.001", 2),

@@ -6,7 +6,7 @@ from relforest.experiments.corridor.run import compute, learned, seed_of
 from relforest.experiments.corridor.settings import CONDITIONS, SETTINGS, CorridorSetting
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import learn_in_folders, learn_runs
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.runs.store import metrics_of
 
 
@@ -18,9 +18,9 @@ def test_conditions_share_no_seed() -> None:
 
 def test_a_run_is_what_the_command_learn_gives_with_the_same_seed(tmp_path: Path) -> None:
     setting = CorridorSetting("10-bits", 1, 2, 1, 4, "bits")
-    place = Place(0, 5, tmp_path / "study")
-    learn_in_folders([learned(setting, place)])
-    rows = compute(setting, place)
+    context = Context(0, 5, tmp_path / "study")
+    learn_in_folders([learned(setting, context)])
+    rows = compute(setting, context)
 
     config = RunConfig(
         "corridor", episodes=4, iterations=1, runs=2, seed=seed_of("10-bits", 0), features="bits"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from relforest.experiments.keepaway.analysis import curves, figures, summarize
-from relforest.experiments.keepaway.settings import EVENT_TITLES
+from relforest.experiments.keepaway.settings import SERVER_EVENTS
 from relforest.experiments.samples import Samples
 from relforest.experiments.table import Row, Table
 
@@ -14,7 +14,7 @@ def row(part: str, condition: str, name: str, value: float | None, *, run: int =
 
 def durations(policy: str, mean: float) -> list[Row]:
     numbers = {"episodes": 100, "mean": mean, "sd": 10, "q5": 20, "q25": 25, "q50": 30, "q75": 40, "q95": 60}
-    shares = {"taken": 0.5, **dict.fromkeys(EVENT_TITLES, 0.25)}
+    shares = {"taken": 0.5, **dict.fromkeys(SERVER_EVENTS, 0.25)}
     return [row("durations", policy, name, value) for name, value in {**numbers, **shares}.items()]
 
 

@@ -13,13 +13,13 @@ from relforest.experiments.keepaway.settings import (
     KeepawaySetting,
 )
 from relforest.experiments.keepaway.trajectories import TRAJECTORIES
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 
 DATA = Path(__file__).parents[2] / "data"
 
 
 def measured(setting: KeepawaySetting, folder: Path) -> dict[str, object]:
-    return {str(row["measure"]): row["value"] for row in compute(setting, Place(0, 0, folder))}
+    return {str(row["measure"]): row["value"] for row in compute(setting, Context(0, 0, folder))}
 
 
 def test_recorded_steps_are_compared_where_there_is_a_recording(

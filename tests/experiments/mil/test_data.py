@@ -19,10 +19,10 @@ from relforest.experiments.mil.data import (
     PRINTED,
     Standard,
     Synthetic,
-    obstacles,
     splitter,
     stratified_parts,
     tuning_splits,
+    unavailable,
 )
 from relforest.experiments.mil.settings import MilSetting
 from relforest.support.errors import DataError, MissingDataError
@@ -123,16 +123,16 @@ def test_a_missing_file_is_named_beside_a_reason_that_all_share(
     sets = {"mutagenesis-atoms": lost, "fox": lost, "musk1": FIXED, "color": DRAWN}
     monkeypatch.setattr(data, "DATA_SETS", sets)
     asked = settings(*sets, "fox", "made-up")
-    found = obstacles(asked)
+    found = unavailable(asked)
 
-    assert {setting: obstacle.missing for setting, obstacle in found.items()} == {
+    assert {setting: absence.missing for setting, absence in found.items()} == {
         asked[0]: "Lost (mutagenesis_atoms.csv.gz)",
         asked[1]: "Lost (fox.csv.gz)",
     }
-    (reason,) = {obstacle.reason for obstacle in found.values()}
+    (reason,) = {absence.reason for absence in found.values()}
     assert f"RELFOREST_DATA (now {tmp_path / 'fox'})" in reason
     monkeypatch.delenv("RELFOREST_DATA")
-    (again,) = obstacles(settings("fox")).values()
+    (again,) = unavailable(settings("fox")).values()
     assert "RELFOREST_DATA (not set now)" in again.reason
 
 
@@ -140,7 +140,7 @@ def test_a_damaged_file_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(data, "DATA_SETS", {"fox": failing(DataError("fox.csv.gz has a wrong hash"))})
 
     with pytest.raises(DataError, match="wrong hash"):
-        obstacles(settings("fox"))
+        unavailable(settings("fox"))
 
 
 def test_files_tell_absence_from_damage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -149,6 +149,6 @@ def test_files_tell_absence_from_damage(monkeypatch: pytest.MonkeyPatch, tmp_pat
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     (tmp_path / "fox.csv.gz").write_bytes(b"not the published one")
 
-    assert len(obstacles(settings("tiger"))) == 1
+    assert len(unavailable(settings("tiger"))) == 1
     with pytest.raises(DataError, match="is not the published file"):
-        obstacles(settings("fox"))
+        unavailable(settings("fox"))

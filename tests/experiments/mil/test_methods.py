@@ -14,7 +14,7 @@ def test_every_method_can_be_made_anew(name: str) -> None:
     one, same, other = (method.learner(seed_sequence(seed), parameters) for seed in (1, 1, 2))
 
     assert one is not same
-    found = [learner.get_params() for learner in (one, same, other)]  # type: ignore[attr-defined]
+    found = [learner.get_params() for learner in (one, same, other)]
     assert found[0] == found[1]
     if "random_state" in found[0]:
         assert found[0]["random_state"] != found[2]["random_state"]

@@ -13,9 +13,9 @@ from experiments.mil import fakes
 from relforest.experiments.mil import run
 from relforest.experiments.mil.run import compute, grid_points, measured, tuned
 from relforest.experiments.mil.settings import DONE, STOPPED, MilSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 
-PLACE = Place(3, 7, Path())
+CONTEXT = Context(3, 7, Path())
 DRAWN = MilSetting("color", "covagg", 0, n_bags=20)
 TUNED = MilSetting("color", "miles-tuned", 0, n_bags=20, tuning_draws=1, grid_step=4)
 
@@ -53,7 +53,7 @@ def too_long(calls: list[str], monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_a_row_tells_all_of_a_fold(calls: list[str]) -> None:
-    (row,) = compute(MilSetting("musk1", "covagg", 2), PLACE)
+    (row,) = compute(MilSetting("musk1", "covagg", 2), CONTEXT)
 
     assert 0 <= float(str(row.pop("cpu_seconds"))) < 1
     assert row == {
@@ -74,7 +74,7 @@ def test_a_row_tells_all_of_a_fold(calls: list[str]) -> None:
 
 
 def test_after_a_fold_that_takes_too_long_the_others_are_not_tried(too_long: list[str]) -> None:
-    (first,), (second,) = (compute(replace(DRAWN, fold=fold), PLACE) for fold in (0, 1))
+    (first,), (second,) = (compute(replace(DRAWN, fold=fold), CONTEXT) for fold in (0, 1))
 
     for row in (first, second):
         assert (row["state"], row["pss"], row["cpu_seconds"], row["n_bags"]) == (STOPPED, None, None, None)
@@ -93,7 +93,7 @@ def test_what_ends_a_moment_after_its_limit_took_too_long(monkeypatch: pytest.Mo
 
 
 def test_parameters_are_tuned_once_and_then_used(calls: list[str]) -> None:
-    rows = [row for fold in (0, 1) for row in compute(replace(TUNED, fold=fold), PLACE)]
+    rows = [row for fold in (0, 1) for row in compute(replace(TUNED, fold=fold), CONTEXT)]
 
     # The threshold C * gamma_factor must lie between 1 and 1.5 or so; of C = 10^-4, 1, 10^4, 10^8 and factors
     # 1/16, 1, 16 only 1 * 1 does. Higher ones call all bags negative, lower ones all positive.
@@ -110,7 +110,7 @@ def test_the_first_of_equal_points_is_chosen(calls: list[str], monkeypatch: pyte
 
 
 def test_parameters_that_all_take_too_long_leave_a_row(too_long: list[str]) -> None:
-    (row,) = compute(TUNED, PLACE)
+    (row,) = compute(TUNED, CONTEXT)
 
     assert (row["state"], row["C"]) == (STOPPED, None)
     assert set(too_long) == {"color, miles-tuned, tuning"}

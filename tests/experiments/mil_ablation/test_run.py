@@ -17,29 +17,29 @@ from relforest.experiments.mil_ablation.settings import (
     AblationSetting,
 )
 from relforest.experiments.registry import STUDIES
-from relforest.experiments.study import Place, chosen_settings
+from relforest.experiments.study import Context, chosen_settings
 from relforest.support.rng import generator, seed_sequence
 
 
 def test_rows_are_repeatable(tmp_path: Path) -> None:
     setting = AblationSetting("covariant1", draws=2, n_bags=10, is_whole=False)
-    rows = run.compute(setting, Place(3, 0, tmp_path))
+    rows = run.compute(setting, Context(3, 0, tmp_path))
 
     assert [(row["draw"], row["variant"]) for row in rows] == [
         (draw, variant) for draw in (0, 1) for variant in (PUBLISHED, COMMITTEE)
     ]
-    assert rows == run.compute(setting, Place(3, 0, tmp_path))
+    assert rows == run.compute(setting, Context(3, 0, tmp_path))
 
 
 @pytest.mark.parametrize(("data_set", "n_bags"), [("rare", 150), ("elements", 150), ("wide", 100)])
 def test_draws_are_as_large_as_the_generator_says(tmp_path: Path, data_set: str, n_bags: int) -> None:
-    (split,) = run.splits(AblationSetting(data_set, draws=1), Place(0, 0, tmp_path))
+    (split,) = run.splits(AblationSetting(data_set, draws=1), Context(0, 0, tmp_path))
 
     assert (len(split.train), len(split.test)) == (n_bags, n_bags)
 
 
 def test_images_of_training_are_not_tested(tmp_path: Path) -> None:
-    (split,) = run.splits(AblationSetting("digits", draws=1, n_bags=60), Place(0, 0, tmp_path))
+    (split,) = run.splits(AblationSetting("digits", draws=1, n_bags=60), Context(0, 0, tmp_path))
     train, test = (
         {image.tobytes() for bag in part.bags for image in bag} for part in (split.train, split.test)
     )
@@ -58,7 +58,7 @@ def test_musk_is_read_once_and_split_into_ten_folds_per_repetition(
         return data
 
     monkeypatch.setattr(run, "fetch_musk1", fetched)
-    found = list(run.splits(AblationSetting("musk1", draws=11), Place(0, 0, tmp_path)))
+    found = list(run.splits(AblationSetting("musk1", draws=11), Context(0, 0, tmp_path)))
     tested = [{bag.tobytes() for bag in split.test.bags} for split in found]
 
     assert len(reads) == 1
@@ -67,19 +67,19 @@ def test_musk_is_read_once_and_split_into_ten_folds_per_repetition(
     assert tested[10] != tested[0]
 
 
-def test_a_missing_musk_is_an_obstacle_and_the_others_are_not(
+def test_a_missing_musk_is_unavailable_and_the_others_are_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RELFOREST_DATA", str(tmp_path))
     monkeypatch.delenv("RELFOREST_DATA_URL", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    obstacles = STUDIES["mil_ablation"].obstacles
+    unavailable = STUDIES["mil_ablation"].unavailable
 
-    assert obstacles is not None
-    ((setting, obstacle),) = obstacles(SETTINGS).items()
+    assert unavailable is not None
+    ((setting, absence),) = unavailable(SETTINGS).items()
     assert setting.data_set == "musk1"
-    assert obstacle.missing == "Musk 1 (musk1.csv.gz)"
-    assert obstacles(SETTINGS[:3]) == {}
+    assert absence.missing == "Musk 1 (musk1.csv.gz)"
+    assert unavailable(SETTINGS[:3]) == {}
 
 
 def test_every_data_set_can_be_chosen_and_learned_by_every_variant(
@@ -88,7 +88,7 @@ def test_every_data_set_can_be_chosen_and_learned_by_every_variant(
     monkeypatch.setattr(run, "fetch_musk1", lambda: three_parts(generator(seed_sequence(0)), 40))
     for name in TITLES:
         (index,) = chosen_settings(STUDIES["mil_ablation"], SETTINGS, {"datasets": [name]})
-        (split,) = run.splits(replace(SETTINGS[index], draws=1, n_bags=12), Place(0, index, tmp_path))
+        (split,) = run.splits(replace(SETTINGS[index], draws=1, n_bags=12), Context(0, index, tmp_path))
         assert len(split.train.bags) == (36 if name == "musk1" else 12)
     for variant, options in VARIANTS.items():
         parameters = run.learner(variant, seed_sequence(0)).get_params()

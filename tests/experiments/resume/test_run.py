@@ -3,16 +3,14 @@ from __future__ import annotations
 import signal
 import time
 from pathlib import Path
-from threading import Event, Thread
 
 import pytest
 
 from relforest.experiments.resume import run
-from relforest.experiments.resume.run import KILLS, Kill, await_locks, command, compare, compute, kill_after
+from relforest.experiments.resume.run import KILLS, Kill, command, compare, compute, kill_after
 from relforest.experiments.resume.settings import SETTINGS, SMOKE, ResumeSetting
-from relforest.experiments.study import Place
-from relforest.support.errors import RelforestError, RunFolderError
-from relforest.support.locks import FolderLock
+from relforest.experiments.study import Context
+from relforest.support.errors import RelforestError
 
 
 def write(folder: Path, **texts: str) -> None:
@@ -84,7 +82,7 @@ def test_a_run_that_fails_is_no_result(tmp_path: Path) -> None:
     with pytest.raises(
         RelforestError, match=r"relforest learn failed in .* with exit status 2:\n.*--episodes must be"
     ):
-        compute(ResumeSetting("x", "x", 1, 1, 1, episodes=0, moments=1), Place(0, 0, tmp_path))
+        compute(ResumeSetting("x", "x", 1, 1, 1, episodes=0, moments=1), Context(0, 0, tmp_path))
 
 
 COUNTING = """
@@ -102,7 +100,7 @@ def test_each_moment_is_killed_as_often_as_it_says_and_compared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, counted: bool, identical: bool
 ) -> None:
     monkeypatch.setattr(run, "_RELFOREST", COUNTING.format(counted=counted))
-    rows = compute(ResumeSetting("x", "x", 1, 1, 1, moments=2, kills=2), Place(0, 0, tmp_path))
+    rows = compute(ResumeSetting("x", "x", 1, 1, 1, moments=2, kills=2), Context(0, 0, tmp_path))
 
     assert [row["moment"] for row in rows] == [0, 1]
     assert [row["identical"] for row in rows] == [identical] * 2
@@ -111,25 +109,6 @@ def test_each_moment_is_killed_as_often_as_it_says_and_compared(
     assert all(
         0.5 * moment <= float(str(row["fraction"])) < 0.5 * (moment + 1) for moment, row in enumerate(rows)
     )
-
-
-def test_locks_of_dying_workers_are_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    held = Event()
-
-    def hold() -> None:
-        with FolderLock(tmp_path / "run-00"):
-            held.set()
-            time.sleep(0.2)
-
-    worker = Thread(target=hold)
-    worker.start()
-    held.wait()
-    await_locks(tmp_path)
-    worker.join()
-
-    monkeypatch.setattr(run, "_PATIENCE", 0.0)
-    with FolderLock(tmp_path / "run-00"), pytest.raises(RunFolderError, match="in use"):
-        await_locks(tmp_path)
 
 
 def test_every_variant_is_killed_at_ten_moments_and_the_first_process_at_a_hundred() -> None:
@@ -144,7 +123,9 @@ def test_every_variant_is_killed_at_ten_moments_and_the_first_process_at_a_hundr
 
 def test_the_first_process_is_killed_in_every_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "_RELFOREST", COUNTING.format(counted=False))
-    rows = compute(ResumeSetting("x", "x", 1, 1, 1, moments=4, whom="parent", part=2), Place(0, 0, tmp_path))
+    rows = compute(
+        ResumeSetting("x", "x", 1, 1, 1, moments=4, whom="parent", part=2), Context(0, 0, tmp_path)
+    )
 
     assert [row["signal"] for row in rows] == [kill.name for kill in KILLS[1:]]
     assert [row["moment"] for row in rows] == [8, 9, 10, 11]

@@ -4,9 +4,3 @@
 measurement with the help of `episodes`, `samples` groups the rows of the table, `analysis` turns them into
 findings and `pictures` into figures. The command and the result are in ``README.md``.
 """
-
-from __future__ import annotations
-
-from relforest.support.front_door import attach
-
-__getattr__, __dir__, __all__ = attach(__name__, __file__)

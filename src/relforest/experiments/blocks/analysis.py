@@ -13,7 +13,7 @@ from relforest.experiments.blocks import settings
 from relforest.experiments.blocks.pictures import figures
 from relforest.experiments.blocks.run import compute
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.headings import heading
+from relforest.experiments.registry import heading
 from relforest.experiments.samples import Samples
 from relforest.experiments.sheets import Entry, Estimate, Format, Sheet
 from relforest.experiments.study import Study

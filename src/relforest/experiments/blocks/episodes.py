@@ -9,8 +9,7 @@ An option succeeds if, when it has ended,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from types import MappingProxyType
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
@@ -30,7 +29,10 @@ _WORLD, _POLICY = 0, 1
 _NEAR: Final = 2.0
 
 # Condition -> the policy's own name.
-_NAMES: Final = MappingProxyType({settings.RANDOM_RGB: settings.RANDOM, settings.MANUAL_RGB: settings.MANUAL})
+_NAMES: Final[Mapping[str, str]] = {
+    settings.RANDOM_RGB: settings.RANDOM,
+    settings.MANUAL_RGB: settings.MANUAL,
+}
 
 
 def world(part: str, condition: str) -> BlocksEnv:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from time import process_time
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from relforest.experiments.blocks import settings
 from relforest.experiments.blocks.episodes import Measures, play, world
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.support.progress import report
 from relforest.support.rng import generator, stream
@@ -27,7 +27,7 @@ _LIFTED: Final = 20.0
 _ALWAYS_KEPT: Final = frozenset({"total", "stands"})
 
 
-def compute(setting: settings.BlocksSetting, place: Place) -> list[Row]:
+def compute(setting: settings.BlocksSetting, context: Context) -> list[Row]:
     """Return a row per number measured; only those of SPEED differ from run to run.
 
     References
@@ -35,11 +35,13 @@ def compute(setting: settings.BlocksSetting, place: Place) -> list[Row]:
     Palmer (2015), sections 5.3.1 and 7.4.
     """
     head: Row = {"part": setting.part, "condition": setting.condition, "chunk": setting.chunk}
-    return [{**head, "measure": name, "value": value} for name, value in _PARTS[setting.part](setting, place)]
+    return [
+        {**head, "measure": name, "value": value} for name, value in _PARTS[setting.part](setting, context)
+    ]
 
 
-def _settle(setting: settings.BlocksSetting, place: Place) -> Measures:
-    rng = generator(place.stream)
+def _settle(setting: settings.BlocksSetting, context: Context) -> Measures:
+    rng = generator(context.stream)
     sim = BlocksSimulation(rng)
     is_arch = setting.condition == settings.ARCH_BLOCKS
     for number in range(setting.count):
@@ -54,27 +56,27 @@ def _settle(setting: settings.BlocksSetting, place: Place) -> Measures:
         yield "height", float(sim.poses[:, 1].mean())
 
 
-def _lift(setting: settings.BlocksSetting, place: Place) -> Measures:
-    sim = BlocksSimulation(generator(place.stream))
-    half_extents = settings.LIFTS[setting.condition]
-    sim.place([Block(0, half_extents, (0.0, 0.0, 0.0))], [(0.0, half_extents[1], 0.0)])
+def _lift(setting: settings.BlocksSetting, context: Context) -> Measures:
+    sim = BlocksSimulation(generator(context.stream))
+    width, height = map(float, setting.condition.split(" x "))
+    sim.place([Block(0, (width, height), (0.0, 0.0, 0.0))], [(0.0, height, 0.0)])
     sim.wait_for_rest(_LONGEST)
     sim.grab(0, (0.0, 0.0))
     steps, _ = sim.carry((0.0, _LIFTED), _LONGEST)
     yield "steps", float(steps)
 
 
-def _play(setting: settings.BlocksSetting, place: Place) -> Measures:
+def _play(setting: settings.BlocksSetting, context: Context) -> Measures:
     env = world(setting.part, setting.condition)
     for episode in range(setting.count):
         report("episodes", episode, setting.count)
-        for name, value in play(env, setting.condition, stream(place.stream, episode)):
+        for name, value in play(env, setting.condition, stream(context.stream, episode)):
             if name in _ALWAYS_KEPT or (setting.part, setting.condition, name) in settings.OPTION_REFERENCE:
                 yield name, value
 
 
-def _colors(setting: settings.BlocksSetting, place: Place) -> Measures:
-    rng = generator(place.stream)
+def _colors(setting: settings.BlocksSetting, context: Context) -> Measures:
+    rng = generator(context.stream)
 
     def draw() -> NDArray[np.float64]:
         is_uniform = setting.condition == settings.UNIFORM_RGB
@@ -90,8 +92,8 @@ def _colors(setting: settings.BlocksSetting, place: Place) -> Measures:
         yield f"{short}_near", float((apart <= distance.middle).mean())
 
 
-def _outcomes(setting: settings.BlocksSetting, place: Place) -> Measures:
-    rng, limits = generator(place.stream), settings.OUTCOME_TASKS[setting.condition]
+def _outcomes(setting: settings.BlocksSetting, context: Context) -> Measures:
+    rng, limits = generator(context.stream), settings.OUTCOME_TASKS[setting.condition]
     make_trial = balance_trial if setting.condition in settings.BALANCE_TASKS else drop_on_trial
     for number in range(setting.count):
         report("trials", number, setting.count)
@@ -101,12 +103,12 @@ def _outcomes(setting: settings.BlocksSetting, place: Place) -> Measures:
             yield "label", float(outcome)
 
 
-def _speed(setting: settings.BlocksSetting, place: Place) -> Measures:
+def _speed(setting: settings.BlocksSetting, context: Context) -> Measures:
     env = world(settings.TOWERS, setting.condition)
     for episode in range(setting.count + 1):
         report("episodes", episode, setting.count + 1)
         begin = process_time()
-        found = dict(play(env, setting.condition, stream(place.stream, episode)))
+        found = dict(play(env, setting.condition, stream(context.stream, episode)))
         elapsed = process_time() - begin
         # The first episode pays for what is done only once.
         if episode:
@@ -114,15 +116,13 @@ def _speed(setting: settings.BlocksSetting, place: Place) -> Measures:
             yield "steps", found["episode_steps"]
 
 
-_PARTS: Final = MappingProxyType(
-    {
-        settings.SETTLE: _settle,
-        settings.LIFT: _lift,
-        settings.TOWERS: _play,
-        settings.GROUPS: _play,
-        settings.ARCHES: _play,
-        settings.COLORS: _colors,
-        settings.OUTCOMES: _outcomes,
-        settings.SPEED: _speed,
-    }
-)
+_PARTS: Final[Mapping[str, Callable[[settings.BlocksSetting, Context], Measures]]] = {
+    settings.SETTLE: _settle,
+    settings.LIFT: _lift,
+    settings.TOWERS: _play,
+    settings.GROUPS: _play,
+    settings.ARCHES: _play,
+    settings.COLORS: _colors,
+    settings.OUTCOMES: _outcomes,
+    settings.SPEED: _speed,
+}

@@ -12,7 +12,7 @@ from scipy import stats
 from relforest.experiments.calibration.run import compute
 from relforest.experiments.calibration.settings import ALPHA, PERMUTATION, SETTINGS, SMOKE
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.headings import heading
+from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Sheet, Span
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.calibration.settings import CalibrationSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.progress import report
@@ -19,7 +19,7 @@ _DATA, _LEARNING = 0, 1
 _SCHEMA: Final = Schema((Attribute("location", 2),))
 
 
-def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
+def compute(setting: CalibrationSetting, context: Context) -> list[Row]:
     """Return a row per scene set: test, objects, scenes, block, set, accepted.
 
     A set counts as accepted if its tree is not a stub, that is, if the test accepted a question at the root.
@@ -31,12 +31,12 @@ def compute(setting: CalibrationSetting, place: Place) -> list[Row]:
     rows: list[Row] = []
     for number in range(setting.n_sets):
         report("sets of scenes", number, setting.n_sets)
-        scenes, labels = noise(generator(stream(place.stream, number, _DATA)), setting)
+        scenes, labels = noise(generator(stream(context.stream, number, _DATA)), setting)
         learner = SMRFTreeClassifier(
             test=setting.test,
             alpha=setting.alpha,
             permutations=setting.permutations,
-            random_state=stream(place.stream, number, _LEARNING),
+            random_state=stream(context.stream, number, _LEARNING),
         )
         rows.append(
             {

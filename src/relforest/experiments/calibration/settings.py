@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal, final
+from typing import Final, final
 
-Test = Literal["likelihood-ratio", "permutation"]
+from relforest.trees.settings import Test
 
 LIKELIHOOD_RATIO: Final[Test] = "likelihood-ratio"
 PERMUTATION: Final[Test] = "permutation"

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Final, final
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.concepts.run import compute
@@ -20,73 +18,36 @@ from relforest.experiments.concepts.settings import (
     THRESHOLDS,
     TITLES,
 )
-from relforest.experiments.headings import heading
+from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Passage, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
 from relforest.reports.style import BLUE, INK, ORANGE, styled
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ConceptModels:
-    """The models of one concept and method on one kind of test scenes.
-
-    Parameters
-    ----------
-    concept, test, method : str
-    rows : Table
-        A row per model.
-    """
-
-    concept: str
-    test: str
-    method: str
-    rows: Table
-
-    @property
-    def pss(self) -> NDArray[np.float64]:
-        """Peirce skill score of each model."""
-        return self.rows.numbers("pss")
-
-    @property
-    def best_ellipse(self) -> float:
-        """Mean score of the best single ellipse on the same test scenes; NaN where there is none."""
-        return float(self.rows.numbers("ellipse").mean())
-
-    @property
-    def threshold(self) -> float | None:
-        """What the mean score must reach, if anything."""
-        return THRESHOLDS.get((self.concept, self.test)) if self.method == STRICT_TREE else None
-
-
-def concept_models(table: Table) -> Iterator[ConceptModels]:
-    """Yield what belongs together, the methods next to each other."""
+def concept_models(table: Table) -> Iterator[tuple[str, str, str, Table]]:
+    """Yield concept, kind of test scenes, method and a row per model; the methods next to each other."""
     for (concept, test), there in table.groups("concept", "test").items():
         for (method,), own in there.groups("method").items():
-            yield ConceptModels(str(concept), str(test), str(method), own)
+            yield str(concept), str(test), str(method), own
+
+
+def threshold(concept: str, test: str, method: str) -> float | None:
+    """Return what the mean score must reach, if anything."""
+    return THRESHOLDS.get((concept, test)) if method == STRICT_TREE else None
 
 
 def summarize(table: Table) -> Findings:
     """List the scores, compare means with thresholds, print the first tree and rule set of each concept."""
     rows, claims = [], []
-    for models in concept_models(table):
-        rows.append(
-            (
-                TITLES[models.concept],
-                models.test,
-                models.method,
-                len(models.rows),
-                float(models.pss.mean()),
-                float(models.pss.min()),
-                models.threshold,
-                None if np.isnan(models.best_ellipse) else models.best_ellipse,
-                float(models.rows.numbers("leaves").mean()),
-            )
-        )
-        if models.threshold is not None:
-            name = f"{TITLES[models.concept]}, test scenes: {models.test}: mean PSS"
-            claims.append(Claim(name, float(models.pss.mean()), low=models.threshold))
+    for concept, test, method, own in concept_models(table):
+        title, least = TITLES[concept], threshold(concept, test, method)
+        pss, leaves, ellipse = (own.numbers(name) for name in ("pss", "leaves", "ellipse"))
+        mean, best = float(pss.mean()), float(ellipse.mean())
+        scores = (mean, float(pss.min()), least, None if np.isnan(best) else best)
+        rows.append((title, test, method, len(own), *scores, float(leaves.mean())))
+        if least is not None:
+            claims.append(Claim(f"{title}, test scenes: {test}: mean PSS", mean, low=least))
     columns = {
         **dict.fromkeys(("concept", "test scenes", "method", "models"), ""),
         "mean PSS": ".3f",
@@ -109,12 +70,13 @@ def figures(table: Table) -> Mapping[str, Figure]:
         figure = Figure(figsize=(6.8, 4.2), layout="constrained")
         axes = figure.add_subplot()
         labels = []
-        for place, models in enumerate(concept_models(table)):
-            color = BLUE if models.method == STRICT_TREE else ORANGE
-            axes.plot(models.pss, [place] * len(models.pss), "o", color=color, alpha=0.6)
-            if models.threshold is not None:
-                axes.plot([models.threshold] * 2, [place - 0.3, place + 0.3], "-", color=INK)
-            labels.append(f"{TITLES[models.concept]}, {models.test}: {models.method}")
+        for place, (concept, test, method, own) in enumerate(concept_models(table)):
+            pss, least = own.numbers("pss"), threshold(concept, test, method)
+            color = BLUE if method == STRICT_TREE else ORANGE
+            axes.plot(pss, [place] * len(pss), "o", color=color, alpha=0.6)
+            if least is not None:
+                axes.plot([least] * 2, [place - 0.3, place + 0.3], "-", color=INK)
+            labels.append(f"{TITLES[concept]}, {test}: {method}")
         axes.set_yticks(range(len(labels)), labels)
         axes.invert_yaxis()
         axes.set_xlim(right=1.01)

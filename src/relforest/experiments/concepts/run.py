@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
-from types import MappingProxyType
+from functools import cache, partial
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -21,7 +20,7 @@ from relforest.experiments.concepts.settings import (
     SAME,
     ConceptSetting,
 )
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.forests import SMRFBoostingClassifier, SMRFForestClassifier, SMRFRuleSetClassifier
 from relforest.metrics import peirce_skill_score
@@ -37,7 +36,7 @@ _TRAINING, _TESTING, _LEARNING = 0, 1, 2
 _ELLIPSE_SEED: Final = 20_000
 
 
-def compute(setting: ConceptSetting, place: Place) -> list[Row]:
+def compute(setting: ConceptSetting, context: Context) -> list[Row]:
     """Return a row per kind of test scenes: concept, method, replicate, test, pss, leaves, words, ellipse.
 
     The last one, for "between", is the score of the best single ellipse on the same test scenes.
@@ -49,7 +48,7 @@ def compute(setting: ConceptSetting, place: Place) -> list[Row]:
     Palmer (2015), section 4.2 and Figure 4.1 (learning relational concepts), section 3.3.3 (the score).
     """
     draw_training, *draw_testing = SCENES[setting.concept]
-    seed = stream(seed_sequence(place.seed), list(SCENES).index(setting.concept), setting.replicate)
+    seed = stream(seed_sequence(context.seed), list(SCENES).index(setting.concept), setting.replicate)
     scenes, labels = draw_training[1](generator(stream(seed, _TRAINING)), setting.n_scenes)
     learned = _learned(setting, scenes, labels, stream(seed, _LEARNING))
     trees = [learned.tree_] if isinstance(learned, SMRFTreeClassifier) else learned.ensemble_.trees
@@ -100,40 +99,20 @@ def _best_ellipse(draw: Draw, n_scenes: int) -> CentredEllipse:
     return CentredEllipse.best(*draw(np.random.default_rng(_ELLIPSE_SEED), 20 * n_scenes))
 
 
-def _between(rng: np.random.Generator, n: int) -> Labelled:
-    return between_scenes(rng, n, n_objects=N_OBJECTS)
+_between: Final = partial(between_scenes, n_objects=N_OBJECTS)
+_between_larger: Final = partial(between_scenes, n_objects=N_OBJECTS_LARGER)
+_between_crowded: Final = partial(between_scenes, n_objects=N_OBJECTS, n_distractors=N_DISTRACTORS)
 
-
-def _between_larger(rng: np.random.Generator, n: int) -> Labelled:
-    return between_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
-
-
-def _between_crowded(rng: np.random.Generator, n: int) -> Labelled:
-    return between_scenes(rng, n, n_objects=N_OBJECTS, n_distractors=N_DISTRACTORS)
-
-
-def _figure41(rng: np.random.Generator, n: int) -> Labelled:
-    return figure41_scenes(rng, n, n_objects=N_OBJECTS)
-
-
-def _figure41_larger(rng: np.random.Generator, n: int) -> Labelled:
-    return figure41_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
-
-
-def _yellow(rng: np.random.Generator, n: int) -> Labelled:
-    return yellow_scenes(rng, n, n_objects=N_OBJECTS)
-
-
-def _yellow_larger(rng: np.random.Generator, n: int) -> Labelled:
-    return yellow_scenes(rng, n, n_objects=N_OBJECTS_LARGER)
-
-
-SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = MappingProxyType(
-    {
-        "between": ((SAME, _between), (LARGER, _between_larger), (CROWDED, _between_crowded)),
-        "between-crowded": ((SAME, _between_crowded),),
-        "figure41": ((SAME, _figure41), (LARGER, _figure41_larger)),
-        "yellow": ((SAME, _yellow), (LARGER, _yellow_larger)),
-    }
-)
+SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = {
+    "between": ((SAME, _between), (LARGER, _between_larger), (CROWDED, _between_crowded)),
+    "between-crowded": ((SAME, _between_crowded),),
+    "figure41": (
+        (SAME, partial(figure41_scenes, n_objects=N_OBJECTS)),
+        (LARGER, partial(figure41_scenes, n_objects=N_OBJECTS_LARGER)),
+    ),
+    "yellow": (
+        (SAME, partial(yellow_scenes, n_objects=N_OBJECTS)),
+        (LARGER, partial(yellow_scenes, n_objects=N_OBJECTS_LARGER)),
+    ),
+}
 """For each concept the kinds of scenes that its trees are tested on; the first one is also learned from."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal, final
 
 Learner = Literal["tree", "boosting", "forest", "rules"]
@@ -47,14 +47,12 @@ class ConceptSetting:
         return f"{TITLES[self.concept]}, {self.method}, seed {self.replicate}"
 
 
-TITLES: Final = MappingProxyType(
-    {
-        "between": "an object between A and B",
-        "between-crowded": "the same among 20 more objects",
-        "figure41": "the concept of Figure 4.1",
-        "yellow": "a yellow object",
-    }
-)
+TITLES: Final[Mapping[str, str]] = {
+    "between": "an object between A and B",
+    "between-crowded": "the same among 20 more objects",
+    "figure41": "the concept of Figure 4.1",
+    "yellow": "a yellow object",
+}
 
 SAME: Final = "same"
 LARGER: Final = "15 objects"
@@ -64,17 +62,15 @@ N_OBJECTS: Final = (5, 8)
 N_OBJECTS_LARGER: Final = 15
 N_DISTRACTORS: Final = 20
 
-THRESHOLDS: Final = MappingProxyType(
-    {
-        ("between", SAME): 0.9,
-        ("between", LARGER): 0.85,
-        ("between-crowded", SAME): 0.85,
-        ("figure41", SAME): 0.85,
-        ("figure41", LARGER): 0.85,
-        ("yellow", SAME): 0.85,
-        ("yellow", LARGER): 0.85,
-    }
-)
+THRESHOLDS: Final[Mapping[tuple[str, str], float]] = {
+    ("between", SAME): 0.9,
+    ("between", LARGER): 0.85,
+    ("between-crowded", SAME): 0.85,
+    ("figure41", SAME): 0.85,
+    ("figure41", LARGER): 0.85,
+    ("yellow", SAME): 0.85,
+    ("yellow", LARGER): 0.85,
+}
 """Mean test score to be reached, by concept and kind of test scenes."""
 
 STRICT_ALPHA: Final = 1e-3

@@ -13,7 +13,7 @@ from scipy import stats
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.corridor import settings
 from relforest.experiments.corridor.run import compute, learned
-from relforest.experiments.headings import heading
+from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Entry, Estimate, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table

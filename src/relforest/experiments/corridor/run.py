@@ -7,13 +7,13 @@ import numpy as np
 from relforest.experiments.corridor.settings import CONDITIONS, CorridorSetting
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import RunInFolder
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.runs.store import metrics_of
 from relforest.support.rng import seed_sequence, stream
 
 
-def learned(setting: CorridorSetting, place: Place) -> RunInFolder:
+def learned(setting: CorridorSetting, context: Context) -> RunInFolder:
     """Return the run that a setting is about.
 
     References
@@ -25,16 +25,16 @@ def learned(setting: CorridorSetting, place: Place) -> RunInFolder:
         episodes=setting.episodes,
         iterations=setting.iterations,
         runs=setting.runs,
-        seed=seed_of(setting.condition, place.seed),
+        seed=seed_of(setting.condition, context.seed),
         features=setting.features,
     )
-    folder = place.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
+    folder = context.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
     return RunInFolder(config, setting.run, folder)
 
 
-def compute(setting: CorridorSetting, place: Place) -> list[Row]:
+def compute(setting: CorridorSetting, context: Context) -> list[Row]:
     """Return the metrics of the run: condition, run, and the columns of ``metrics.jsonl``."""
-    metrics = metrics_of(learned(setting, place).folder)
+    metrics = metrics_of(learned(setting, context).folder)
     return [{"condition": setting.condition, "run": setting.run, **row} for row in metrics]
 
 

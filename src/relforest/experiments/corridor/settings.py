@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, final
 
 from relforest.rl.settings import FeatureMode
@@ -42,13 +42,11 @@ class CorridorSetting:
         return f"{CONDITIONS[self.condition]}, run {self.run}"
 
 
-CONDITIONS: Final = MappingProxyType(
-    {
-        "500-densities": "500 episodes, densities and bits",
-        "10-densities": "10 episodes, densities and bits",
-        "10-bits": "10 episodes, bits only",
-    }
-)
+CONDITIONS: Final[Mapping[str, str]] = {
+    "500-densities": "500 episodes, densities and bits",
+    "10-densities": "10 episodes, densities and bits",
+    "10-bits": "10 episodes, bits only",
+}
 """Condition -> its title; the order gives each condition its seed."""
 
 OPTIMUM: Final = 8.69
@@ -56,9 +54,11 @@ OPTIMUM: Final = 8.69
 
 ALPHA: Final = 0.05
 
-THRESHOLDS: Final = MappingProxyType(
-    {("500-densities", 1): 8.5, ("500-densities", 3): 8.6, ("10-densities", 5): 8.3}
-)
+THRESHOLDS: Final[Mapping[tuple[str, int], float]] = {
+    ("500-densities", 1): 8.5,
+    ("500-densities", 3): 8.6,
+    ("10-densities", 5): 8.3,
+}
 """Mean test reward to be reached, by condition and iteration."""
 
 SOURCE_REWARD_P: Final = 0.5

@@ -4,9 +4,3 @@
 measurement, `analysis` turns the table into findings and pictures. The command and the result
 are in ``README.md``.
 """
-
-from __future__ import annotations
-
-from relforest.support.front_door import attach
-
-__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.headings import heading
 from relforest.experiments.keepaway import settings
 from relforest.experiments.keepaway.run import compute
 from relforest.experiments.keepaway.settings import DURATIONS, LEARNING, PHYSICS, SERVER, SPEED
+from relforest.experiments.registry import heading
 from relforest.experiments.samples import Samples
 from relforest.experiments.sheets import Entry, Estimate, Format, Sheet, Span
 from relforest.experiments.study import Study
@@ -110,8 +110,8 @@ def _durations(samples: Samples) -> Sheet:
 
 def _events(samples: Samples) -> Sheet:
     rows = tuple(
-        (title, _measured(samples, _BENCHMARK, "random", name), settings.SERVER_EVENTS[name])
-        for name, title in settings.EVENT_TITLES.items()
+        (title, _measured(samples, _BENCHMARK, "random", name), server)
+        for name, (title, server) in settings.SERVER_EVENTS.items()
     )
     columns = dict.fromkeys(("ours", "real server"), lambda value: ".3f" if value < 1 else ".2f")
     return Sheet(f"What happens in {_BENCHMARK} games of random keepers", {"": "", **columns}, rows)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from time import process_time
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -21,7 +20,7 @@ from relforest.experiments.keepaway.settings import (
 )
 from relforest.experiments.keepaway.trajectories import TRAJECTORIES, recorded_step_counts
 from relforest.experiments.keepaway_team import benchmark_team, play_episodes_with
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.support.rng import stream
 from relforest.worlds.keepaway.play.durations import Played, play_episodes
@@ -48,7 +47,7 @@ _GAMES: Final = 1
 Measures = Iterator[tuple[str, float]]
 
 
-def compute(setting: KeepawaySetting, place: Place) -> list[Row]:
+def compute(setting: KeepawaySetting, context: Context) -> list[Row]:
     """Return a row per number measured.
 
     The physics are compared with the recorded steps in the folder ``RELFOREST_DATA``, if that is set.
@@ -63,11 +62,11 @@ def compute(setting: KeepawaySetting, place: Place) -> list[Row]:
         "condition": setting.condition,
         "run": setting.run,
     }
-    found = list(_PARTS[setting.part](setting, place)) or [("", float("nan"))]
+    found = list(_PARTS[setting.part](setting, context)) or [("", float("nan"))]
     return [{**head, "measure": name, "value": None if np.isnan(value) else value} for name, value in found]
 
 
-def _physics(_setting: KeepawaySetting, _place: Place) -> Measures:
+def _physics(_setting: KeepawaySetting, _context: Context) -> Measures:
     folder = os.environ.get("RELFOREST_DATA")
     path = None if folder is None else Path(folder) / TRAJECTORIES
     if path is None or not path.exists():
@@ -77,8 +76,8 @@ def _physics(_setting: KeepawaySetting, _place: Place) -> Measures:
         yield f"{kind}: violations", float(count.violations)
 
 
-def _durations(setting: KeepawaySetting, place: Place) -> Measures:
-    played = play_episodes(setting.condition, _rules(setting), setting.episodes, place.stream)
+def _durations(setting: KeepawaySetting, context: Context) -> Measures:
+    played = play_episodes(setting.condition, _rules(setting), setting.episodes, context.stream)
     durations = played.durations
     yield "episodes", float(len(durations))
     yield "mean", float(durations.mean())
@@ -113,23 +112,23 @@ def _events(played: Played, setting: KeepawaySetting) -> Measures:
         yield f"ball_q{percent}", float(np.searchsorted(reached, percent / 100) * SPEED_STEP)
 
 
-def _learning(setting: KeepawaySetting, place: Place) -> Measures:
+def _learning(setting: KeepawaySetting, context: Context) -> Measures:
     rules = _rules(setting)
     team = benchmark_team(
-        rules, shared=setting.condition == SHARED, random_state=stream(place.stream, _AGENTS)
+        rules, shared=setting.condition == SHARED, random_state=stream(context.stream, _AGENTS)
     )
-    durations = play_episodes_with(team, rules, setting.episodes, stream(place.stream, _GAMES))
+    durations = play_episodes_with(team, rules, setting.episodes, stream(context.stream, _GAMES))
     for end in range(setting.block, setting.episodes + 1, setting.block):
         yield f"{end}", float(durations[end - setting.block : end].mean())
 
 
-def _speed(setting: KeepawaySetting, place: Place) -> Measures:
-    play_episodes(setting.condition, _rules(setting), 1, place.stream)
+def _speed(setting: KeepawaySetting, context: Context) -> Measures:
+    play_episodes(setting.condition, _rules(setting), 1, context.stream)
     fastest = 0.0
     for repeat in range(_REPEATS):
         begin = process_time()
         played = play_episodes(
-            setting.condition, _rules(setting), setting.episodes, stream(place.stream, repeat)
+            setting.condition, _rules(setting), setting.episodes, stream(context.stream, repeat)
         )
         fastest = max(fastest, played.durations.sum() / max(process_time() - begin, 1e-9))
     yield "cycles_per_second", float(fastest)
@@ -139,6 +138,9 @@ def _rules(setting: KeepawaySetting) -> KeepawayOptions:
     return KeepawayOptions(setting.keepers, setting.takers, setting.size)
 
 
-_PARTS: Final = MappingProxyType(
-    {PHYSICS: _physics, DURATIONS: _durations, LEARNING: _learning, SPEED: _speed}
-)
+_PARTS: Final[Mapping[str, Callable[[KeepawaySetting, Context], Measures]]] = {
+    PHYSICS: _physics,
+    DURATIONS: _durations,
+    LEARNING: _learning,
+    SPEED: _speed,
+}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, final
 
 PHYSICS: Final = "physics"
@@ -65,84 +65,52 @@ N_EPISODES: Final = 2000
 N_LEARNING: Final = 8000
 N_RUNS: Final = 3
 
-SERVER: Final = MappingProxyType(
-    {
-        "random": MappingProxyType(
-            {"mean": 55.1, "sd": 18.0, "q5": 33.0, "q50": 51.0, "q95": 89.0, "taken": 0.88}
-        ),
-        "hold": MappingProxyType(
-            {"mean": 29.2, "sd": 9.8, "q5": 21.0, "q50": 27.0, "q95": 49.0, "taken": 0.48}
-        ),
-        "hand": MappingProxyType(
-            {"mean": 155.0, "sd": 114.0, "q5": 34.0, "q50": 122.0, "q95": 366.0, "taken": 0.40}
-        ),
-    }
-)
+SERVER: Final[Mapping[str, Mapping[str, float]]] = {
+    "random": {"mean": 55.1, "sd": 18.0, "q5": 33.0, "q50": 51.0, "q95": 89.0, "taken": 0.88},
+    "hold": {"mean": 29.2, "sd": 9.8, "q5": 21.0, "q50": 27.0, "q95": 49.0, "taken": 0.48},
+    "hand": {"mean": 155.0, "sd": 114.0, "q5": 34.0, "q50": 122.0, "q95": 366.0, "taken": 0.40},
+}
 """3v2 on the real server: version 19 with the parameters of versions 13 to 16, the players of the benchmark,
 a field of view of 360 degrees, synchronous mode; 968, 600 and 595 episodes. Durations in cycles."""
 
-SERVER_EVENTS: Final = MappingProxyType(
-    {
-        "transfers": 5.4,
-        "keeper_kicks": 13.9,
-        "taker_kicks": 3.5,
-        "keeper_in_reach": 0.273,
-        "taker_in_reach": 0.072,
-        "first_touch": 4.9,
-        "dashes": 0.44,
-        "turns": 0.50,
-        "nearest_pair": 11.2,
-        "middle_pair": 13.1,
-        "farthest_pair": 16.5,
-        "ball_q5": 0.0,
-        "ball_q25": 0.55,
-        "ball_q50": 1.46,
-        "ball_q75": 1.71,
-        "ball_q95": 2.01,
-        "ball_q99": 2.22,
-    }
-)
-"""What happened in the same games with the random policy."""
+SERVER_EVENTS: Final[Mapping[str, tuple[str, float]]] = {
+    "transfers": ("passes from keeper to keeper per episode", 5.4),
+    "keeper_kicks": ("kicks of keepers per episode", 13.9),
+    "taker_kicks": ("kicks of takers per episode", 3.5),
+    "keeper_in_reach": ("share of cycles with a keeper at the ball", 0.273),
+    "taker_in_reach": ("share of cycles with a taker at the ball", 0.072),
+    "first_touch": ("first cycle with a keeper at the ball", 4.9),
+    "dashes": ("share of dashes among the commands", 0.44),
+    "turns": ("share of turns among the commands", 0.50),
+    "nearest_pair": ("distance of the nearest two keepers (m)", 11.2),
+    "middle_pair": ("distance of the middle pair (m)", 13.1),
+    "farthest_pair": ("distance of the farthest two (m)", 16.5),
+    "ball_q5": ("speed of the ball, 5 % quantile (m per cycle)", 0.0),
+    "ball_q25": ("25 %", 0.55),
+    "ball_q50": ("50 %", 1.46),
+    "ball_q75": ("75 %", 1.71),
+    "ball_q95": ("95 %", 2.01),
+    "ball_q99": ("99 %", 2.22),
+}
+"""What happened in the same games with the random policy: what each number is called, and its value."""
 
-EVENT_TITLES: Final = MappingProxyType(
-    {
-        "transfers": "passes from keeper to keeper per episode",
-        "keeper_kicks": "kicks of keepers per episode",
-        "taker_kicks": "kicks of takers per episode",
-        "keeper_in_reach": "share of cycles with a keeper at the ball",
-        "taker_in_reach": "share of cycles with a taker at the ball",
-        "first_touch": "first cycle with a keeper at the ball",
-        "dashes": "share of dashes among the commands",
-        "turns": "share of turns among the commands",
-        "nearest_pair": "distance of the nearest two keepers (m)",
-        "middle_pair": "distance of the middle pair (m)",
-        "farthest_pair": "distance of the farthest two (m)",
-        "ball_q5": "speed of the ball, 5 % quantile (m per cycle)",
-        "ball_q25": "25 %",
-        "ball_q50": "50 %",
-        "ball_q75": "75 %",
-        "ball_q95": "95 %",
-        "ball_q99": "99 %",
-    }
-)
-
-DURATION_BOUNDS: Final = MappingProxyType(
-    {"random": (53.0 * 0.9, 58.0 * 1.1), "hold": (29.2 * 0.9, 29.2 * 1.1), "hand": (141 * 0.85, 171 * 1.15)}
-)
+DURATION_BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
+    "random": (53.0 * 0.9, 58.0 * 1.1),
+    "hold": (29.2 * 0.9, 29.2 * 1.1),
+    "hand": (141 * 0.85, 171 * 1.15),
+}
 """Where the mean of 3v2 must lie: sessions on the real server gave 53 to 58, 29.2, and 141 to 171."""
 
 _SEEDS: Final = 0.05
-LEARNING_BOUNDS: Final = MappingProxyType(
-    {
-        1000: (70.0 * (1 - _SEEDS), 80.0 * (1 + _SEEDS)),
-        2000: (90.0, math.inf),
-        6000: (120.0 * (1 - _SEEDS), 150.0 * (1 + _SEEDS)),
-    }
-)
+LEARNING_BOUNDS: Final[Mapping[int, tuple[float, float]]] = {
+    1000: (70.0 * (1 - _SEEDS), 80.0 * (1 + _SEEDS)),
+    2000: (90.0, math.inf),
+    6000: (120.0 * (1 - _SEEDS), 150.0 * (1 + _SEEDS)),
+}
 """Mean duration of 3v2 over the block of episodes that ends there (6000: all blocks from 5000 on): what
 single runs of the benchmark gave, and a twentieth more on either side, as seeds differ."""
 
-SPEED_BOUNDS: Final = MappingProxyType({"3v2": 30_000.0, "4v3": 15_000.0})
+SPEED_BOUNDS: Final[Mapping[str, float]] = {"3v2": 30_000.0, "4v3": 15_000.0}
 """Game cycles per second of CPU time and core; the real server and its players manage about 480."""
 
 SETTINGS: Final = (

@@ -5,9 +5,3 @@ pairs them and sets the bounds, `published` holds the source's tables. `run` lea
 with limited time. `results` groups the rows of the table, `analysis` lays them out, `bounds` checks them, and
 `pictures` draws them. The command and the result are in ``README.md``.
 """
-
-from __future__ import annotations
-
-from relforest.support.front_door import attach
-
-__getattr__, __dir__, __all__ = attach(__name__, __file__)

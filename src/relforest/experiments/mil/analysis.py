@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from operator import attrgetter
 from typing import Final
 
 from relforest.experiments.claims import Findings
-from relforest.experiments.headings import heading
 from relforest.experiments.mil.bounds import exceptions, verdicts
-from relforest.experiments.mil.data import DATA_SETS, HELD_OUT, obstacles
+from relforest.experiments.mil.data import DATA_SETS, HELD_OUT, unavailable
 from relforest.experiments.mil.methods import COVAGG, IMPROVED, METHODS, OPTIMAL_BALL
 from relforest.experiments.mil.pictures import figures
 from relforest.experiments.mil.published import SCORES, TIMES
 from relforest.experiments.mil.results import Result, Results, mark, means
 from relforest.experiments.mil.run import compute
-from relforest.experiments.mil.settings import CHOICES, N_COMPARISONS, SETTINGS, SMOKE
+from relforest.experiments.mil.settings import N_COMPARISONS, SETTINGS, SMOKE
+from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Entry, Estimate, Format, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
@@ -170,6 +171,6 @@ STUDY: Final = Study(
     summarize,
     figures,
     compiles=False,
-    choices=CHOICES,
-    obstacles=obstacles,
+    choices={"methods": attrgetter("method"), "datasets": attrgetter("data_set")},
+    unavailable=unavailable,
 )

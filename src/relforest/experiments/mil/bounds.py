@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from types import MappingProxyType
 from typing import Final
 
 from relforest.experiments.claims import Claim
@@ -21,12 +20,10 @@ from relforest.experiments.mil.published import SCORES
 from relforest.experiments.mil.results import Result, Results, means
 from relforest.metrics import Moments, two_sample_p_value
 
-_WHOLES: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
-    {
-        f"{len(COMPARED)} data sets": COMPARED,
-        f"{len(HELD_OUT)} data sets that it was not designed with": HELD_OUT,
-    }
-)
+_WHOLES: Final[Mapping[str, Sequence[str]]] = {
+    f"{len(COMPARED)} data sets": COMPARED,
+    f"{len(HELD_OUT)} data sets that it was not designed with": HELD_OUT,
+}
 
 
 def verdicts(results: Results, cpu_limit: float) -> Iterator[Claim]:

@@ -11,7 +11,6 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
 from typing import Final, Protocol, TypeAlias, TypeVar, final
 
 import numpy as np
@@ -35,7 +34,7 @@ from relforest.datasets import (
 )
 from relforest.datasets.catalogue import file_name
 from relforest.datasets.download import DATA_VARIABLE, URL_VARIABLE
-from relforest.experiments.study import Obstacle
+from relforest.experiments.study import Unavailable
 from relforest.support.errors import MissingDataError
 from relforest.support.rng import generator, seed_sequence, stream
 
@@ -109,26 +108,24 @@ class Split:
 
 PRINTED: Final = "covariant1-printed"
 
-DATA_SETS: Final[Mapping[str, DataSet]] = MappingProxyType(
-    {
-        "color": Synthetic("Color", 0, lambda rng, n: color(rng, n_bags=n)),
-        "covariant1": Synthetic("Covariant 1", 1, lambda rng, n: covariant1(rng, reading="sqrt2", n_bags=n)),
-        PRINTED: Synthetic(
-            "Covariant 1, means as printed", 13, lambda rng, n: covariant1(rng, reading="printed", n_bags=n)
-        ),
-        "covariant2": Synthetic("Covariant 2", 2, lambda rng, n: covariant2(rng, n_bags=n)),
-        "disjunctive": Synthetic("Disjunctive", 3, lambda rng, n: disjunctive(rng, n_bags=n)),
-        "musk1": Standard("Musk 1", 4, fetch_musk1),
-        "musk2": Standard("Musk 2", 5, fetch_musk2),
-        "mutagenesis-atoms": Standard("Muta Atoms", 6, fetch_mutagenesis_atoms),
-        "mutagenesis-bonds": Standard("Muta Bonds", 7, fetch_mutagenesis_bonds),
-        "mutagenesis-chains": Standard("Muta Chains", 8, fetch_mutagenesis_chains),
-        "thioredoxin": Standard("Thioredoxin", 9, fetch_thioredoxin),
-        "elephant": Standard("Elephant", 10, fetch_elephant),
-        "fox": Standard("Fox", 11, fetch_fox),
-        "tiger": Standard("Tiger", 12, fetch_tiger),
-    }
-)
+DATA_SETS: Final[Mapping[str, DataSet]] = {
+    "color": Synthetic("Color", 0, lambda rng, n: color(rng, n_bags=n)),
+    "covariant1": Synthetic("Covariant 1", 1, lambda rng, n: covariant1(rng, reading="sqrt2", n_bags=n)),
+    PRINTED: Synthetic(
+        "Covariant 1, means as printed", 13, lambda rng, n: covariant1(rng, reading="printed", n_bags=n)
+    ),
+    "covariant2": Synthetic("Covariant 2", 2, lambda rng, n: covariant2(rng, n_bags=n)),
+    "disjunctive": Synthetic("Disjunctive", 3, lambda rng, n: disjunctive(rng, n_bags=n)),
+    "musk1": Standard("Musk 1", 4, fetch_musk1),
+    "musk2": Standard("Musk 2", 5, fetch_musk2),
+    "mutagenesis-atoms": Standard("Muta Atoms", 6, fetch_mutagenesis_atoms),
+    "mutagenesis-bonds": Standard("Muta Bonds", 7, fetch_mutagenesis_bonds),
+    "mutagenesis-chains": Standard("Muta Chains", 8, fetch_mutagenesis_chains),
+    "thioredoxin": Standard("Thioredoxin", 9, fetch_thioredoxin),
+    "elephant": Standard("Elephant", 10, fetch_elephant),
+    "fox": Standard("Fox", 11, fetch_fox),
+    "tiger": Standard("Tiger", 12, fetch_tiger),
+}
 """Name on the command line -> data set, in the order of the source's tables."""
 
 COMPARED: Final = tuple(name for name in DATA_SETS if name != PRINTED)
@@ -197,7 +194,7 @@ def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Gen
     return parts
 
 
-def obstacles(settings: Sequence[OnData]) -> Mapping[OnData, Obstacle]:
+def unavailable(settings: Sequence[OnData]) -> Mapping[OnData, Unavailable]:
     """Return those of the settings whose data cannot be used here, with the remedy.
 
     Raises
@@ -206,18 +203,18 @@ def obstacles(settings: Sequence[OnData]) -> Mapping[OnData, Obstacle]:
         If a file is a wrong one, or cannot be read or downloaded.
     """
     names = dict.fromkeys(setting.data_set for setting in settings)
-    missing = {name: obstacle for name in names if (obstacle := _absence(name)) is not None}
+    missing = {name: absence for name in names if (absence := _absence(name)) is not None}
     return {setting: missing[setting.data_set] for setting in settings if setting.data_set in missing}
 
 
-def _absence(name: str) -> Obstacle | None:
+def _absence(name: str) -> Unavailable | None:
     data_set = DATA_SETS.get(name)
     if isinstance(data_set, Standard):
         try:
             data_set.fetch()
         except MissingDataError:
             # The reason is the same for all data sets, so it is printed once.
-            return Obstacle(f"{data_set.title} ({file_name(name.replace('-', '_'))})", _remedy())
+            return Unavailable(f"{data_set.title} ({file_name(name.replace('-', '_'))})", _remedy())
     return None
 
 

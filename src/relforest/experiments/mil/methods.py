@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Any, Final, Protocol, Self, TypeAlias, final
+from typing import Any, Final, TypeAlias, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
+from relforest.mil.bag_classifier import BagClassifier
 from relforest.mil.peers import (
     APRClassifier,
     BagMarginSVMClassifier,
@@ -24,18 +23,6 @@ from relforest.mil.peers import (
 
 Parameters: TypeAlias = Mapping[str, float]
 """Parameters of a tuned learner by name; empty for the others."""
-
-
-class Learner(Protocol):
-    """A classifier of bags in the scikit-learn manner."""
-
-    def fit(self, bags: list[NDArray[np.float64]], y: NDArray[np.bool_], /) -> Self:
-        """Learn from bags, each an (n_i, d) array, and their labels."""
-        ...
-
-    def predict(self, bags: list[NDArray[np.float64]], /) -> NDArray[Any]:
-        """Return the labels of bags."""
-        ...
 
 
 @final
@@ -60,7 +47,7 @@ class Method:
     kind: Callable[..., Any]
     is_tuned: bool = False
 
-    def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> Learner:
+    def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> BagClassifier:
         """Make a learner that has not learned anything.
 
         Parameters
@@ -73,7 +60,7 @@ class Method:
         learner = self.kind(**parameters)
         if "random_state" in learner.get_params():
             learner.set_params(random_state=int(seed.generate_state(1)[0]))
-        made: Learner = learner
+        made: BagClassifier = learner
         return made
 
 
@@ -88,23 +75,21 @@ BAG_MARGIN: Final = "bag-margin-svm"
 MILES: Final = "miles"
 SINGLE_INSTANCE: Final = "single-instance-svm"
 
-METHODS: Final[Mapping[str, Method]] = MappingProxyType(
-    {
-        COVAGG: Method("CovAgg", 0, CovAggClassifier),
-        IMPROVED: Method("committee", 1, VolumeCommitteeClassifier),
-        OPTIMAL_BALL: Method("OptBall", 2, OptimalBallClassifier),
-        DD: Method("DD", 3, DiverseDensityClassifier),
-        EM_DD: Method("EM-DD", 4, EMDDClassifier),
-        APR: Method("APR", 5, APRClassifier),
-        INSTANCE_MARGIN: Method("mi-SVM", 6, InstanceMarginSVMClassifier),
-        BAG_MARGIN: Method("MI-SVM", 7, BagMarginSVMClassifier),
-        MILES: Method("MILES", 8, MILESClassifier),
-        SINGLE_INSTANCE: Method("SI-SVM", 9, SingleInstanceSVMClassifier),
-        f"{INSTANCE_MARGIN}-tuned": Method("mi-SVM*", 10, InstanceMarginSVMClassifier, is_tuned=True),
-        f"{BAG_MARGIN}-tuned": Method("MI-SVM*", 11, BagMarginSVMClassifier, is_tuned=True),
-        f"{MILES}-tuned": Method("MILES*", 12, MILESClassifier, is_tuned=True),
-    }
-)
+METHODS: Final[Mapping[str, Method]] = {
+    COVAGG: Method("CovAgg", 0, CovAggClassifier),
+    IMPROVED: Method("committee", 1, VolumeCommitteeClassifier),
+    OPTIMAL_BALL: Method("OptBall", 2, OptimalBallClassifier),
+    DD: Method("DD", 3, DiverseDensityClassifier),
+    EM_DD: Method("EM-DD", 4, EMDDClassifier),
+    APR: Method("APR", 5, APRClassifier),
+    INSTANCE_MARGIN: Method("mi-SVM", 6, InstanceMarginSVMClassifier),
+    BAG_MARGIN: Method("MI-SVM", 7, BagMarginSVMClassifier),
+    MILES: Method("MILES", 8, MILESClassifier),
+    SINGLE_INSTANCE: Method("SI-SVM", 9, SingleInstanceSVMClassifier),
+    f"{INSTANCE_MARGIN}-tuned": Method("mi-SVM*", 10, InstanceMarginSVMClassifier, is_tuned=True),
+    f"{BAG_MARGIN}-tuned": Method("MI-SVM*", 11, BagMarginSVMClassifier, is_tuned=True),
+    f"{MILES}-tuned": Method("MILES*", 12, MILESClassifier, is_tuned=True),
+}
 """Name on the command line -> method, in the order of the tables; those of the source have its columns."""
 
 PEERS: Final = tuple(

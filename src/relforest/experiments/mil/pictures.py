@@ -38,10 +38,10 @@ def figures(table: Table) -> Mapping[str, Figure]:
         for axes in scores.axes:
             axes.axvline(0, color=PALE, linewidth=0.8, zorder=0)
         caption = "CPU seconds of training and prediction (|: stopped here)"
-        times = _figure(results, constant, lambda result: result.seconds, TIMES, caption)
+        limit = min(setting.cpu_limit for setting in SETTINGS)
+        times = _figure(results, constant, lambda result: result.seconds, TIMES, caption, limit=limit)
         for axes in times.axes:
             axes.set_xscale("log")
-        _draw_limits(times, results, constant)
     return {"scores.png": scores, "times.png": times}
 
 
@@ -51,12 +51,17 @@ def _figure(
     moments_of: Callable[[Result], Moments | None],
     published: Mapping[tuple[str, str], Estimate],
     abscissa: str,
+    *,
+    limit: float | None = None,
 ) -> Figure:
-    """Draw a panel per data set, with a row per method that was tried on one of its line of panels."""
+    """Draw a panel per data set, with a row per method that was tried on one of its line of panels.
+
+    Methods that were stopped are marked at the limit, if there is one.
+    """
     lines = [
         results.data_sets[begin : begin + _COLUMNS] for begin in range(0, len(results.data_sets), _COLUMNS)
     ]
-    shown = [_tried(results, line, methods) for line in lines]
+    shown = [[name for name in methods if any(results.get(one, name) for one in line)] for line in lines]
     heights = [len(rows) + 3 for rows in shown]
     size = (1.0 + _PANEL_INCHES * _COLUMNS, 0.7 + _ROW_INCHES * sum(heights))
     figure = Figure(figsize=size, layout="constrained")
@@ -74,13 +79,11 @@ def _figure(
                 result = results.get(data_set, method)
                 ours = None if result is None else moments_of(result)
                 _draw(axes, row, method, ours, published.get((data_set, method)))
+                if limit is not None and result is not None and result.is_stopped:
+                    axes.plot(limit, row - _BELOW / 2, "|", color=INK, markersize=7, markeredgewidth=1.6)
     figure.supxlabel(abscissa, fontsize=9.0)
     figure.legend(handles=_legend(methods), loc="outside upper center", ncols=4)
     return figure
-
-
-def _tried(results: Results, data_sets: Sequence[str], methods: Sequence[str]) -> list[str]:
-    return [name for name in methods if any(results.get(data_set, name) for data_set in data_sets)]
 
 
 def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Estimate | None) -> None:
@@ -95,18 +98,6 @@ def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Estim
         color, place = _COLORS.get(method, INK), row - _BELOW / 2
         axes.plot((interval.low, interval.high), (place, place), "-", color=color, linewidth=1.4)
         axes.plot(interval.mean, place, "o", color=color, markersize=4.2)
-
-
-def _draw_limits(figure: Figure, results: Results, methods: Sequence[str]) -> None:
-    """Mark the CPU time at which methods were stopped."""
-    limit = min(setting.cpu_limit for setting in SETTINGS)
-    for number, (axes, data_set) in enumerate(zip(figure.axes, results.data_sets, strict=True)):
-        first = number - number % _COLUMNS
-        rows = _tried(results, results.data_sets[first : first + _COLUMNS], methods)
-        for row, method in enumerate(rows):
-            result = results.get(data_set, method)
-            if result is not None and result.is_stopped:
-                axes.plot(limit, row - _BELOW / 2, "|", color=INK, markersize=7, markeredgewidth=1.6)
 
 
 def _legend(methods: Sequence[str]) -> list[Line2D]:

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
 from relforest.experiments.sheets import Estimate
@@ -73,7 +72,7 @@ def _read(*tables: str) -> Mapping[tuple[str, str], Estimate]:
             data_set, *texts = line.split()
             for method, text in zip(header.split(), texts, strict=True):
                 cells[data_set, method] = _cell(text)
-    return MappingProxyType(cells)
+    return cells
 
 
 def _cell(text: str) -> Estimate:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import final
 
 import numpy as np
@@ -188,5 +187,5 @@ def _result(rows: Table) -> Result:
         tuple(times.tolist()),
         int(np.nan_to_num(peaks).max()),
         len(done) < len(rows),
-        MappingProxyType({name: facts[name] for name in _FACTS}),
+        {name: facts[name] for name in _FACTS},
     )

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from relforest.experiments.mil.data import DATA_SETS, Split, Synthetic, splitter, tuning_splits
 from relforest.experiments.mil.methods import METHODS, Method, Parameters
 from relforest.experiments.mil.settings import DONE, STOPPED, MilSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Cell, Row
 from relforest.metrics import peirce_skill_score
 from relforest.mil.peers import svm_grid
@@ -37,7 +37,7 @@ _HOPELESS: Final[set[tuple[str, str]]] = set()
 """Data set and method of which a fold took too long in this process: the others are not tried."""
 
 
-def compute(setting: MilSetting, place: Place) -> list[Row]:
+def compute(setting: MilSetting, context: Context) -> list[Row]:
     """Return one row.
 
     Its columns are data_set, method, fold, state (`DONE`, or `STOPPED` for a fold that took too long, or of
@@ -52,9 +52,9 @@ def compute(setting: MilSetting, place: Place) -> list[Row]:
     cell, name = (setting.data_set, setting.method), f"{setting.data_set}, {setting.method}"
     found: Mapping[str, Cell] | None = None
     peak: int | None = None
-    parameters = tuned(replace(setting, fold=0), place.seed) if setting.tuning_draws else {}
+    parameters = tuned(replace(setting, fold=0), context.seed) if setting.tuning_draws else {}
     if cell not in _HOPELESS and parameters is not None:
-        found, peak = _PROCESS.call(name, measured, setting, place.seed, parameters)
+        found, peak = _PROCESS.call(name, measured, setting, context.seed, parameters)
     if found is None:
         _HOPELESS.add(cell)
     numbers, chosen = found or {}, parameters or {}

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from operator import attrgetter
-from types import MappingProxyType
 from typing import Final, final
 
 from relforest.experiments.mil.data import COMPARED, DATA_SETS, N_FOLDS, PRINTED, Standard, Synthetic
@@ -74,39 +72,42 @@ STANDARD: Final = tuple(name for name, data_set in DATA_SETS.items() if isinstan
 REPRODUCED: Final = ("covariant1", "covariant2", "disjunctive")
 """Synthetic data sets with published distributions: the source's scores must be reached."""
 
-LEAST: Final = MappingProxyType({"covariant1": 0.75, PRINTED: 0.91, "covariant2": 0.24, "disjunctive": 0.26})
+LEAST: Final[Mapping[str, float]] = {
+    "covariant1": 0.75,
+    PRINTED: 0.91,
+    "covariant2": 0.24,
+    "disjunctive": 0.26,
+}
 """What covariant aggregation's mean score on synthetic data sets must reach, less one standard error."""
 
 PEER_TOLERANCE: Final = 0.08
 """How far a peer's mean score may lie from the source's on those."""
 
-EXPLAINED: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
-    {
-        ("covariant1", EM_DD): (
-            "the source's program itself, run on 100 draws of this set, has .42 +- .03, which agrees "
-            "with the source's .38 +- .04; ours has about .05 more, probably since it loses no start: see "
-            "Disjunctive"
-        ),
-        ("disjunctive", EM_DD): (
-            "the source's program may return a start that was never improved: in 15 of 40 draws, with a mean "
-            "score of -.01; the others had .32"
-        ),
-        ("covariant1", INSTANCE_MARGIN): (
-            "the source's program also takes its threshold from points that are not support vectors; a copy "
-            "with that flaw scores .40, the same quadratic program with a right threshold .69"
-        ),
-    }
-)
+EXPLAINED: Final[Mapping[tuple[str, str], str]] = {
+    ("covariant1", EM_DD): (
+        "the source's program itself, run on 100 draws of this set, has .42 +- .03, which agrees "
+        "with the source's .38 +- .04; ours has about .05 more, probably since it loses no start: see "
+        "Disjunctive"
+    ),
+    ("disjunctive", EM_DD): (
+        "the source's program may return a start that was never improved: in 15 of 40 draws, with a mean "
+        "score of -.01; the others had .32"
+    ),
+    ("covariant1", INSTANCE_MARGIN): (
+        "the source's program also takes its threshold from points that are not support vectors; a copy "
+        "with that flaw scores .40, the same quadratic program with a right threshold .69"
+    ),
+}
 """Data sets and peers without a claim of agreement, and the reason for the difference."""
 
 FASTER_THAN: Final = (DD, EM_DD, INSTANCE_MARGIN, BAG_MARGIN)
 FASTER_ON: Final = ("color", *REPRODUCED, "musk2")
 """Covariant aggregation must be faster than these methods on these data sets."""
 
-LONGEST_FOLD: Final = MappingProxyType({"musk2": 10.0})
+LONGEST_FOLD: Final[Mapping[str, float]] = {"musk2": 10.0}
 """CPU seconds that covariant aggregation may take for a fold."""
 
-MOST_BYTES: Final = MappingProxyType({"thioredoxin": 1e9})
+MOST_BYTES: Final[Mapping[str, float]] = {"thioredoxin": 1e9}
 """Peak memory that the process of any method may need."""
 
 
@@ -142,8 +143,3 @@ SMOKE: Final = _folds(
     tuning_draws=1,
     grid_step=7,
 )
-
-CHOICES: Final[Mapping[str, Callable[[MilSetting], str]]] = MappingProxyType(
-    {"methods": attrgetter("method"), "datasets": attrgetter("data_set")}
-)
-"""How settings are chosen on the command line."""

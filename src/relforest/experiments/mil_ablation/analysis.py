@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from operator import attrgetter
 from typing import Final
 
 import numpy as np
@@ -11,11 +12,9 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.headings import heading
-from relforest.experiments.mil.data import obstacles
+from relforest.experiments.mil.data import unavailable
 from relforest.experiments.mil_ablation.run import compute
 from relforest.experiments.mil_ablation.settings import (
-    CHOICES,
     COMMITTEE,
     MODELLED,
     PUBLISHED,
@@ -23,6 +22,7 @@ from relforest.experiments.mil_ablation.settings import (
     SMOKE,
     TITLES,
 )
+from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Entry, Estimate, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
@@ -131,6 +131,6 @@ STUDY: Final = Study(
     compute,
     summarize,
     figures,
-    choices=CHOICES,
-    obstacles=obstacles,
+    choices={"datasets": attrgetter("data_set")},
+    unavailable=unavailable,
 )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from itertools import count, islice
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -20,7 +19,7 @@ from relforest.experiments.mil_ablation.made_up import (
     wide,
 )
 from relforest.experiments.mil_ablation.settings import MUSK, VARIANTS, AblationSetting
-from relforest.experiments.study import Place
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.metrics import peirce_skill_score
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
@@ -31,30 +30,28 @@ from relforest.support.rng import generator, stream
 _DATA, _LEARNING, _FOLDS = 0, 1, 2
 _IN_HALVES: Final = ("digits", "digit-mixture")
 
-GENERATORS: Final[Mapping[str, Callable[..., BagSet]]] = MappingProxyType(
-    {
-        "color": color,
-        "covariant1": covariant1,
-        "covariant2": covariant2,
-        "disjunctive": disjunctive,
-        "three-parts": three_parts,
-        "rare": rare,
-        "wide": wide,
-        "elements": elements,
-        "digits": digits,
-        "digit-mixture": digit_mixture,
-    }
-)
+GENERATORS: Final[Mapping[str, Callable[..., BagSet]]] = {
+    "color": color,
+    "covariant1": covariant1,
+    "covariant2": covariant2,
+    "disjunctive": disjunctive,
+    "three-parts": three_parts,
+    "rare": rare,
+    "wide": wide,
+    "elements": elements,
+    "digits": digits,
+    "digit-mixture": digit_mixture,
+}
 
 
-def compute(setting: AblationSetting, place: Place) -> list[Row]:
+def compute(setting: AblationSetting, context: Context) -> list[Row]:
     """Return a row per draw and variant: data_set, variant, draw, pss."""
     rows: list[Row] = []
-    for draw, split in enumerate(splits(setting, place)):
+    for draw, split in enumerate(splits(setting, context)):
         train, test = split.train, split.test
         for number, variant in enumerate(setting.variants):
             report(f"draw {draw + 1} of {setting.draws}, variants", number, len(setting.variants))
-            untrained = learner(variant, stream(place.stream, draw, _LEARNING))
+            untrained = learner(variant, stream(context.stream, draw, _LEARNING))
             predicted = untrained.fit(train.bags, train.labels).predict(test.bags)
             score = peirce_skill_score(test.labels, predicted)
             rows.append({"data_set": setting.data_set, "variant": variant, "draw": draw, "pss": score})
@@ -69,13 +66,13 @@ def learner(variant: str, seed: np.random.SeedSequence) -> BagClassifier:
     return VolumeCommitteeClassifier(random_state=seed, **options)
 
 
-def splits(setting: AblationSetting, place: Place) -> Iterator[Split]:
+def splits(setting: AblationSetting, context: Context) -> Iterator[Split]:
     """Yield the training and the test bags of every draw."""
     if setting.data_set == MUSK:
-        yield from islice(_musk_folds(place.stream), setting.draws)
+        yield from islice(_musk_folds(context.stream), setting.draws)
     else:
         for draw in range(setting.draws):
-            yield _drawn(setting, generator(stream(place.stream, draw, _DATA)))
+            yield _drawn(setting, generator(stream(context.stream, draw, _DATA)))
 
 
 def _drawn(setting: AblationSetting, rng: np.random.Generator) -> Split:

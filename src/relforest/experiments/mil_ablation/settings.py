@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from operator import attrgetter
-from types import MappingProxyType
 from typing import Any, Final, final
 
 from relforest.experiments.mil.data import DATA_SETS
@@ -46,36 +44,29 @@ class AblationSetting:
 
 
 MUSK: Final = "musk1"
-TITLES: Final = MappingProxyType(
-    {
-        **{name: DATA_SETS[name].title for name in ("color", *REPRODUCED)},
-        "three-parts": "three parts",
-        "rare": "rare",
-        "wide": "wide",
-        "elements": "elements",
-        "digits": "digits",
-        "digit-mixture": "digit mixture",
-        MUSK: DATA_SETS[MUSK].title,
-    }
-)
+TITLES: Final[Mapping[str, str]] = {
+    **{name: DATA_SETS[name].title for name in ("color", *REPRODUCED)},
+    "three-parts": "three parts",
+    "rare": "rare",
+    "wide": "wide",
+    "elements": "elements",
+    "digits": "digits",
+    "digit-mixture": "digit mixture",
+    MUSK: DATA_SETS[MUSK].title,
+}
 MODELLED: Final = ("rare", "wide", "elements")
 """Made-up sets that imitate facts of published ones, on which `mil` should compare independently."""
 
 PUBLISHED: Final = "CovAgg"
 COMMITTEE: Final = "committee"
 # Name -> options of the committee; None stands for the published algorithm.
-VARIANTS: Final[Mapping[str, Mapping[str, Any] | None]] = MappingProxyType(
-    {
-        PUBLISHED: None,
-        COMMITTEE: {},
-        "all panels alike": {"n_splits": 1},
-        **{f"only {name}": {"panels": (name,)} for name in PANELS},
-        **{
-            f"without {name}": {"panels": tuple(other for other in PANELS if other != name)}
-            for name in PANELS
-        },
-    }
-)
+VARIANTS: Final[Mapping[str, Mapping[str, Any] | None]] = {
+    PUBLISHED: None,
+    COMMITTEE: {},
+    "all panels alike": {"n_splits": 1},
+    **{f"only {name}": {"panels": (name,)} for name in PANELS},
+    **{f"without {name}": {"panels": tuple(other for other in PANELS if other != name)} for name in PANELS},
+}
 
 # Two repetitions of cross validation, since its folds share most of their bags.
 SETTINGS: Final = tuple(
@@ -85,8 +76,3 @@ SMOKE: Final = tuple(
     AblationSetting(data_set, draws=2, n_bags=12, is_whole=False)
     for data_set in ("color", "covariant1", "disjunctive", "digits")
 )
-
-CHOICES: Final[Mapping[str, Callable[[AblationSetting], str]]] = MappingProxyType(
-    {"datasets": attrgetter("data_set")}
-)
-"""What settings may be chosen by on the command line."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Final
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.headings import heading
+from relforest.experiments.registry import heading
 from relforest.experiments.resume.run import LONGEST, compute
-from relforest.experiments.resume.settings import CHOICES, SETTINGS, SMOKE
+from relforest.experiments.resume.settings import SETTINGS, SMOKE
 from relforest.experiments.sheets import Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
@@ -47,5 +48,11 @@ def summarize(table: Table) -> Findings:
 
 
 STUDY: Final = Study(
-    *heading(__package__), SETTINGS, SMOKE, compute, summarize, compiles=False, choices=CHOICES
+    *heading(__package__),
+    SETTINGS,
+    SMOKE,
+    compute,
+    summarize,
+    compiles=False,
+    choices={"methods": attrgetter("name")},
 )

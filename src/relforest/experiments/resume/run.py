@@ -15,12 +15,13 @@ from pathlib import Path
 from typing import Final, final
 
 from relforest.experiments.resume.settings import PARENT, ResumeSetting
-from relforest.experiments.study import Place
+from relforest.experiments.run_config import RunConfig
+from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.runs.store import iterations_of
-from relforest.support.errors import InputError, RelforestError, RunFolderError
+from relforest.support.errors import InputError, RelforestError
 from relforest.support.files import read_input
-from relforest.support.locks import FolderLock
+from relforest.support.locks import LOCK
 from relforest.support.progress import report
 from relforest.support.rng import generator
 from relforest.support.workers import start
@@ -41,9 +42,7 @@ sys.exit(main())
 _LOOK_SECONDS: Final = 0.05
 
 # Clock times, and the lock; every other file must be the same.
-_LOCK: Final = ".lock"
-_MAY_DIFFER: Final = {"timings.jsonl", _LOCK}
-_PATIENCE: Final = 10.0
+_MAY_DIFFER: Final = {"timings.jsonl", LOCK}
 
 
 @final
@@ -70,7 +69,7 @@ KILLS: Final = (
 """The last four: a crash of the first process, a batch system, Ctrl-C, a closed terminal."""
 
 
-def compute(setting: ResumeSetting, place: Place) -> list[Row]:
+def compute(setting: ResumeSetting, context: Context) -> list[Row]:
     """Return a row per moment.
 
     Its columns are variant, moment, fraction, seconds, signal, alive, survivors, iterations, files,
@@ -79,30 +78,29 @@ def compute(setting: ResumeSetting, place: Place) -> list[Row]:
     `LONGEST` seconds after any of the kills, ``iterations`` how many iterations its runs had completed;
     seconds and iterations depend on the machine.
     """
-    folder = place.folder / "runs" / f"{place.index:02d}"
+    folder = context.folder / "runs" / f"{context.index:02d}"
     # An earlier attempt at this setting may have been interrupted: its durations would mean nothing.
     shutil.rmtree(folder, ignore_errors=True)
     if setting.moments > 1:
-        _finish(setting, folder / "warm-up", place.seed, setting.jobs)
+        _finish(setting, folder / "warm-up", context.seed, setting.jobs)
     begin = time.perf_counter()
-    _finish(setting, folder / "uninterrupted", place.seed, setting.jobs)
+    _finish(setting, folder / "uninterrupted", context.seed, setting.jobs)
     duration = time.perf_counter() - begin
-    draws = generator(place.stream).random((setting.moments, setting.kills))
+    draws = generator(context.stream).random((setting.moments, setting.kills))
     rows: list[Row] = []
     for moment in range(setting.moments):
         report("runs killed", moment, setting.moments)
         out = folder / f"killed-{moment:02d}"
         fraction = (moment + float(draws[moment, 0])) / setting.moments
         kill = KILLS[1 + moment % (len(KILLS) - 1)] if setting.whom == PARENT else KILLS[0]
-        first = command(setting, out, place.seed, setting.jobs)
+        first = command(setting, out, context.seed, setting.jobs)
         alive, survivors = kill_after(first, fraction * duration, kill)
-        await_locks(out)
-        iterations = sum(max(iterations_of(path), 0) for path in _run_folders(setting, out))
+        folders = RunConfig(TASK, runs=setting.runs).folders(out)
+        iterations = sum(max(iterations_of(path), 0) for path in folders)
         for again in draws[moment, 1:]:
-            next_one = command(setting, out, place.seed, setting.resumed_jobs)
+            next_one = command(setting, out, context.seed, setting.resumed_jobs)
             survivors += kill_after(next_one, float(again) * duration, kill)[1]
-            await_locks(out)
-        _finish(setting, out, place.seed, setting.resumed_jobs)
+        _finish(setting, out, context.seed, setting.resumed_jobs)
         same, different = compare(folder / "uninterrupted", out)
         if not different:
             shutil.rmtree(out)
@@ -183,31 +181,11 @@ def running(group: int) -> int:
     return count
 
 
-def await_locks(out: Path) -> None:
-    """Wait for killed workers: they hold their locks until they end, a moment after their parent."""
-    limit = time.monotonic() + _PATIENCE
-    for lock in sorted(out.rglob(_LOCK)):
-        while True:
-            try:
-                with FolderLock(lock.parent):
-                    break
-            except RunFolderError:
-                if time.monotonic() > limit:
-                    raise
-                time.sleep(0.02)
-
-
 def compare(folder: Path, other: Path) -> tuple[list[str], list[str]]:
     """Return the names of the files that are equal in two folders, and of those that differ."""
     names = sorted({name for root in (folder, other) for name in _files(root)})
-    same = [
-        name
-        for name in names
-        if (folder / name).exists()
-        and (other / name).exists()
-        and filecmp.cmp(folder / name, other / name, shallow=False)
-    ]
-    return same, [name for name in names if name not in same]
+    same, different, missing = filecmp.cmpfiles(folder, other, names, shallow=False)
+    return same, sorted([*different, *missing])
 
 
 def _finish(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> None:
@@ -220,10 +198,6 @@ def _finish(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> None:
             f"relforest learn failed in {out} with exit status {process.returncode}:\n"
             f"{errors.decode(errors='replace')[-2000:]}"
         )
-
-
-def _run_folders(setting: ResumeSetting, out: Path) -> list[Path]:
-    return [out] if setting.runs == 1 else [out / f"run-{number:02d}" for number in range(setting.runs)]
 
 
 def _files(folder: Path) -> Iterator[str]:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from operator import attrgetter
-from types import MappingProxyType
 from typing import Final, final
 
 GROUP: Final = "group"
@@ -75,8 +72,3 @@ SETTINGS: Final = (
 SMOKE: Final = (
     ResumeSetting("orphans", "one run", 1, 1, 1, episodes=5, iterations=1, moments=1, whom=PARENT),
 )
-
-CHOICES: Final[Mapping[str, Callable[[ResumeSetting], str]]] = MappingProxyType(
-    {"methods": attrgetter("name")}
-)
-"""How settings are chosen on the command line."""

@@ -1,3 +1,0 @@
-from .analysis import STUDY
-
-__all__ = ["STUDY"]
