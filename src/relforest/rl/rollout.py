@@ -124,7 +124,7 @@ def experience_of(
     steps: Sequence[Step],
     totals: Sequence[tuple[float, float]],
 ) -> Experience:
-    """Return what happened in columns, perhaps no step at all; the state after a step is the next one noted."""
+    """Return what happened in columns; the state after a step is the next one noted."""
     arity = max((kind.arity for kind in world.action_types), default=0)
     columns: list[tuple[Any, ...]] = list(zip(*steps, strict=True)) or [()] * 6
     states, positions, rewards, durations, terminal, truncated = columns
