@@ -18,7 +18,7 @@ from relforest.support.rng import generator, stream
 
 _RESET, _CHOICES = 0, 1
 
-_Step: TypeAlias = tuple[int, int, float, float, bool, bool]
+Step: TypeAlias = tuple[int, int, float, float, bool, bool]
 """State, position of the action, discounted reward, duration, terminal, truncated."""
 
 
@@ -81,14 +81,14 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     """
     world = world_of(env)
     decisions: list[Decision] = []
-    steps: list[_Step] = []
+    steps: list[Step] = []
     totals = []
     for episode in range(at_least("episodes", episodes, 1)):
         report("episodes", episode, episodes)
         # Worlds written in other languages may accept only 32 bits.
         env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
         totals.append(_play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps))
-    return _experience(world, decisions, steps, totals)
+    return experience_of(world, decisions, steps, totals)
 
 
 def _play(
@@ -96,7 +96,7 @@ def _play(
     policy: Policy,
     rng: np.random.Generator,
     decisions: list[Decision],
-    steps: list[_Step],
+    steps: list[Step],
 ) -> tuple[float, float]:
     """Play an episode, note its states and transitions, and return its total reward and its duration."""
     world = world_of(env)
@@ -118,15 +118,16 @@ def _play(
     return total, elapsed
 
 
-def _experience(
+def experience_of(
     world: World,
     decisions: Sequence[Decision],
-    steps: Sequence[_Step],
+    steps: Sequence[Step],
     totals: Sequence[tuple[float, float]],
 ) -> Experience:
-    """Lay out what happened in columns; the state after a step is the next one noted."""
+    """Return what happened in columns; the state after a step is the next one noted."""
     arity = max((kind.arity for kind in world.action_types), default=0)
-    states, positions, rewards, durations, terminal, truncated = zip(*steps, strict=True)
+    columns: list[tuple[Any, ...]] = list(zip(*steps, strict=True)) or [()] * 6
+    states, positions, rewards, durations, terminal, truncated = columns
     candidates = _offsets([len(decision) for decision in decisions])
     before = np.array(states, dtype=np.int64)
     return Experience(

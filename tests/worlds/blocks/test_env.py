@@ -14,7 +14,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 from relforest.rl.action_scenes import action_scenes
-from relforest.rl.recorder import Recorder
+from relforest.rl.rollout import experience_of
 from relforest.scenes import Scenes, Schema
 from relforest.support.errors import InputError
 from relforest.testing import check_world
@@ -234,9 +234,7 @@ def test_a_move_sees_the_blocks_and_its_own_target() -> None:
     staged(env, (half, (-10, 2, 0)), (half, (10, 2, 0)))
     # For each of two blocks: onto the other, half the way towards it, a tenth farther away.
     targets = [10.0, 0.0, -12.0, -10.0, 0.0, 12.0]
-    recorder = Recorder(SCHEMA.width, 2)
-    recorder.state(env.decision())
-    experience = recorder.finish()
+    experience = experience_of(env, [env.decision()], [], [])
     moves = np.flatnonzero(experience.types == ARCH_ACTIONS.index(MOVE))
     scenes = action_scenes(experience, moves, Schema(SCHEMA.attributes, MOVE.parameters))
     assert scenes.counts.tolist() == [3] * 6
