@@ -40,9 +40,9 @@ from relforest.models import Model, read_model, write_model
 from relforest.reports import QuestionPoints, save_figure, tree_figure
 from relforest.reports.run_report import metrics_table, run_report
 from relforest.reports.tree_path import path_in_words, tree_path
+from relforest.rl.baselines import SarsaSettings, TileCoding, make_team
 from relforest.rl.configuration import restore_run
 from relforest.rl.learner import Knowledge, RPILearner
-from relforest.rl.peers import SarsaSettings, TileCoding, make_team
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
 from relforest.runs.learner import METRIC_NAMES, Run

@@ -63,7 +63,7 @@ from relforest.mappings.catalogue import catalogue as function
 from relforest.mappings import catalogue
 from relforest.reports import tree_figure
 assert catalogue is function and tree_figure.__name__ == "tree_figure"
-relforest.trees.grow, relforest.datasets.fetch, relforest.mil.peers.tuned
+relforest.trees.grow, relforest.datasets.fetch, relforest.mil.baselines.tuned
 relforest.support.errors.InputError, relforest.trees.growth.grow
 assert pickle.loads(pickle.dumps(relforest.SMRFTreeClassifier(alpha=0.01))).alpha == 0.01
 """

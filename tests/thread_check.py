@@ -19,7 +19,7 @@ from sklearn.svm import LinearSVC
 from threadpoolctl import threadpool_info
 
 from relforest import Scenes, SMRFTreeClassifier
-from relforest.mil import BagScaler, CovAggClassifier, VolumeCommitteeClassifier, peers
+from relforest.mil import BagScaler, CovAggClassifier, VolumeCommitteeClassifier, baselines
 from relforest.mil.bag_classifier import BagClassifier
 
 N_THREADS = 3
@@ -58,15 +58,15 @@ LEARNERS: dict[str, Callable[[int], bytes]] = {
         lambda seed: VolumeCommitteeClassifier(random_state=seed, n_splits=2, n_volumes=2, n_jobs=2)
     ),
     "scaler": _scaled,
-    "ball": _scores(lambda _: peers.OptimalBallClassifier()),
-    "box": _scores(lambda _: peers.APRClassifier()),
-    "density": _scores(lambda _: peers.DiverseDensityClassifier(refined=2)),
-    "EM": _scores(lambda seed: peers.EMDDClassifier(random_state=seed, start_bags=1)),
+    "ball": _scores(lambda _: baselines.OptimalBallClassifier()),
+    "box": _scores(lambda _: baselines.APRClassifier()),
+    "density": _scores(lambda _: baselines.DiverseDensityClassifier(refined=2)),
+    "EM": _scores(lambda seed: baselines.EMDDClassifier(random_state=seed, start_bags=1)),
     # Few steps, so that these do not converge and would warn if they were scikit-learn's.
-    "MILES": _scores(lambda seed: peers.MILESClassifier(random_state=seed, max_iter=30)),
-    "MI-SVM": _scores(lambda _: peers.BagMarginSVMClassifier(max_solver_iter=100)),
-    "mi-SVM": _scores(lambda _: peers.InstanceMarginSVMClassifier(max_solver_iter=100)),
-    "SI-SVM": _scores(lambda _: peers.SingleInstanceSVMClassifier(max_solver_iter=100)),
+    "MILES": _scores(lambda seed: baselines.MILESClassifier(random_state=seed, max_iter=30)),
+    "MI-SVM": _scores(lambda _: baselines.BagMarginSVMClassifier(max_solver_iter=100)),
+    "mi-SVM": _scores(lambda _: baselines.InstanceMarginSVMClassifier(max_solver_iter=100)),
+    "SI-SVM": _scores(lambda _: baselines.SingleInstanceSVMClassifier(max_solver_iter=100)),
     "tree": _tree,
 }
 

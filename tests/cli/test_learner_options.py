@@ -6,7 +6,7 @@ import pytest
 
 from relforest.cli.early_checks import UsageError
 from relforest.cli.learner_options import RPIOptions, SarsaOptions, given
-from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.settings import LSPISettings, RPISettings
 from relforest.support.errors import RelforestError
 from relforest.trees.settings import TreeSettings

@@ -9,7 +9,7 @@ from typing import Final
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.sarsa import SarsaLearner, Trained
-from relforest.rl.peers import SarsaSettings
+from relforest.rl.baselines import SarsaSettings
 from relforest.runs import Run, RunStore
 from relforest.support.rng import seed_sequence
 from relforest.worlds.keepaway.server.options import KeepawayOptions

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from relforest.experiments.run_config import RunConfig
-from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.settings import RPISettings
 from relforest.support.errors import InputError
 

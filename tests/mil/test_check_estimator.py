@@ -7,7 +7,7 @@ from sklearn.utils.estimator_checks import check_estimator
 
 from interpreted import compiled_only
 from relforest import mil
-from relforest.mil import peers
+from relforest.mil import baselines
 from relforest.mil.bag_classifier import BagClassifier
 from relforest.mil.volume_committee import VolumeCommitteeClassifier
 
@@ -15,7 +15,7 @@ from relforest.mil.volume_committee import VolumeCommitteeClassifier
 CHECKS_OF_1_9 = 56
 CLASSIFIERS = [
     found
-    for package in (mil, peers)
+    for package in (mil, baselines)
     for name in package.__all__
     if isinstance(found := getattr(package, name), type) and issubclass(found, BagClassifier)
 ]

@@ -21,7 +21,7 @@ from interpreted import compiled_only
 from relforest import CovAggClassifier
 from relforest.datasets import BagSet
 from relforest.mil import BagScaler, VolumeCommitteeClassifier
-from relforest.mil.peers import (
+from relforest.mil.baselines import (
     APRClassifier,
     BagMarginSVMClassifier,
     DiverseDensityClassifier,

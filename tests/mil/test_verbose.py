@@ -10,7 +10,7 @@ from sklearn.base import clone
 
 from relforest import Scenes, SMRFTreeClassifier
 from relforest.mil import VolumeCommitteeClassifier
-from relforest.mil.peers import (
+from relforest.mil.baselines import (
     BagMarginSVMClassifier,
     DiverseDensityClassifier,
     EMDDClassifier,

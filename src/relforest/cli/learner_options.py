@@ -9,7 +9,7 @@ from typing import Annotated, Any, Final, final
 from tyro.conf import arg
 
 from relforest.cli.early_checks import naming_options
-from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.settings import FeatureMode, RPISettings
 from relforest.support.options import in_range
 from relforest.trees.settings import SearchName, Test

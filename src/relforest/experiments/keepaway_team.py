@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.rl.peers import SarsaLambda, SarsaSettings, TileCoding, make_team
+from relforest.rl.baselines import SarsaLambda, SarsaSettings, TileCoding, make_team
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.sarsa import is_run_of_sarsa, trained_team
-from relforest.rl.peers import TileCoding
+from relforest.rl.baselines import TileCoding
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.value import ValueFunction

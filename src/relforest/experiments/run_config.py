@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
 from relforest.experiments.tasks import METHODS, Method, Task, task_named
-from relforest.rl.peers.settings import SarsaSettings
+from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.settings import FEATURE_MODES, FeatureMode, RPISettings
 from relforest.runs.manifest import Manifest
 from relforest.support.errors import InputError

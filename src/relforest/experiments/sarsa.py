@@ -11,9 +11,9 @@ from typing import Any, ClassVar, Final, final
 import numpy as np
 
 from relforest.experiments.keepaway_team import Team, benchmark_team, play_episodes_with, renewed
+from relforest.rl.baselines import SarsaSettings, read_team
+from relforest.rl.baselines.sarsa_file import MODEL, describe_team
 from relforest.rl.configuration import seed_to_dict
-from relforest.rl.peers import SarsaSettings, read_team
-from relforest.rl.peers.sarsa_file import MODEL, describe_team
 from relforest.runs.learner import Row, Snapshot
 from relforest.runs.store import read_checkpoint
 from relforest.support.documents import well_formed
@@ -47,7 +47,7 @@ class Trained:
 class SarsaLearner:
     """Sarsa; rewards are durations of episodes in cycles.
 
-    Its files are those of `relforest.rl.peers.write_team` in ``model-0001/`` and so on, of the last
+    Its files are those of `relforest.rl.baselines.write_team` in ``model-0001/`` and so on, of the last
     iteration.
 
     Parameters

@@ -3,7 +3,7 @@
 A bag is positive if at least one of its instances is. `CovAggClassifier` looks for a single ellipsoid that
 contains the positive instances; `VolumeCommitteeClassifier` weighs the evidence of many ellipsoids, for
 concepts with several parts or many features. `BagScaler` scales features for methods that depend on their
-units. Published classifiers to compare with are in `relforest.mil.peers`.
+units. Published classifiers to compare with are in `relforest.mil.baselines`.
 """
 
 from __future__ import annotations

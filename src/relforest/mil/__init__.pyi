@@ -1,6 +1,6 @@
-from . import peers
+from . import baselines
 from .covagg import CovAggClassifier
 from .scaling import BagScaler
 from .volume_committee import VolumeCommitteeClassifier
 
-__all__ = ["BagScaler", "CovAggClassifier", "VolumeCommitteeClassifier", "peers"]
+__all__ = ["BagScaler", "CovAggClassifier", "VolumeCommitteeClassifier", "baselines"]

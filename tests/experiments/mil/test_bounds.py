@@ -130,7 +130,8 @@ def test_the_lead_is_claimed_over_all_data_sets_or_not_at_all() -> None:
     title = METHODS[IMPROVED].title
 
     assert (
-        over_all.name == f"lead of {title} in the mean score of 13 data sets, over the best of 2 peers, APR"
+        over_all.name
+        == f"lead of {title} in the mean score of 13 data sets, over the best of 2 baselines, APR"
     )
     assert (over_all.measured, over_held_out.measured) == pytest.approx((0.05, 0.05))
     without_color = results_of(*whole()[1:])

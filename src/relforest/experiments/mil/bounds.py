@@ -158,7 +158,7 @@ def _lead(results: Results, which: str, whole: Sequence[str]) -> Claim:
         return Claim(f"{name} peer", missing=missing or ("every peer on at least one of them",))
     leads = {name: means(results, name, whole).lead for name in compared}
     best = min(leads, key=lambda name: leads[name])
-    return Claim(f"{name} of {len(leads)} peers, {METHODS[best].title}", leads[best], low=0.0)
+    return Claim(f"{name} of {len(leads)} baselines, {METHODS[best].title}", leads[best], low=0.0)
 
 
 def _memory(results: Results) -> Iterator[Claim]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from relforest.mil import CovAggClassifier, VolumeCommitteeClassifier
 from relforest.mil.bag_classifier import BagClassifier
-from relforest.mil.peers import (
+from relforest.mil.baselines import (
     APRClassifier,
     BagMarginSVMClassifier,
     DiverseDensityClassifier,

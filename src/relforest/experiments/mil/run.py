@@ -20,7 +20,7 @@ from relforest.experiments.mil.settings import DONE, STOPPED, MilSetting
 from relforest.experiments.study import Context
 from relforest.experiments.table import Cell, Row
 from relforest.metrics import peirce_skill_score
-from relforest.mil.peers import svm_grid
+from relforest.mil.baselines import svm_grid
 from relforest.support.errors import InputError
 from relforest.support.limited import LimitedProcess, cpu_limit, cpu_seconds
 from relforest.support.progress import report

@@ -98,7 +98,7 @@ EXPLAINED: Final[Mapping[tuple[str, str], str]] = {
         "with that flaw scores .40, the same quadratic program with a right threshold .69"
     ),
 }
-"""Data sets and peers without a claim of agreement, and the reason for the difference."""
+"""Data sets and baselines without a claim of agreement, and the reason for the difference."""
 
 FASTER_THAN: Final = (DD, EM_DD, INSTANCE_MARGIN, BAG_MARGIN)
 FASTER_ON: Final = ("color", *REPRODUCED, "musk2")
