@@ -22,7 +22,7 @@ from relforest.worlds.blocks.simulation import BlocksSimulation
 CASES: tuple[tuple[str, Callable[[], BlocksEnv], str], ...] = (
     ("high towers", high_towers_env, "random"),
     ("high towers", high_towers_env, "large-first"),
-    ("colour grouping", color_grouping_env, "manual"),
+    ("color grouping", color_grouping_env, "manual"),
     ("arch", lambda: arch_env(sampler="expert"), "careful"),
 )
 EPISODES = 40

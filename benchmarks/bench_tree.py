@@ -67,7 +67,7 @@ def example_tree(*, error_probability: float) -> Tree:
 
 
 def random_scenes(n_scenes: int, n_objects: int) -> Scenes:
-    """Return scenes of random locations in [0, 10]^2 and colours, the first object bound to the argument."""
+    """Return scenes of random locations in [0, 10]^2 and colors, the first object bound to the argument."""
     rng = np.random.default_rng(0)
     n_rows = n_scenes * n_objects
     matrix = np.column_stack([rng.uniform(0, 10, size=(n_rows, 2)), rng.random((n_rows, 3))])

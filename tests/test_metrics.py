@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 from scipy import stats
 
 from relforest.metrics import (
-    Moments,
+    SampleMoments,
     mean_interval,
     peirce_skill_score,
     sidak_level,
@@ -114,7 +114,7 @@ def test_samples_without_an_interval_are_refused(values: Any, level: float, mess
 
 
 def test_a_difference_of_means_is_tested_with_pooled_variances() -> None:
-    one, other = Moments.of([1.0, 2.0, 3.0]), Moments.of([2.0, 4.0, 6.0, 8.0])
+    one, other = SampleMoments.of([1.0, 2.0, 3.0]), SampleMoments.of([2.0, 4.0, 6.0, 8.0])
 
     # Variances 1 and 20/3, pooled (2 * 1 + 3 * 20/3) / 5 = 4.4; t = 3 / sqrt(4.4 * 7/12) = 1.8726, 5 degrees
     assert (one.mean, one.std, one.count) == (2.0, 1.0, 3)
@@ -129,31 +129,31 @@ SAMPLES = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 3)), min_
 def test_the_p_value_is_that_of_students_test(one: list[float], other: list[float]) -> None:
     # SciPy warns of a sample without spread, which is worked by hand below.
     assume(len(set(one)) > 1 and len(set(other)) > 1)
-    p_value = two_sample_p_value(Moments.of(one), Moments.of(other))
+    p_value = two_sample_p_value(SampleMoments.of(one), SampleMoments.of(other))
     assert p_value == pytest.approx(stats.ttest_ind(one, other).pvalue, abs=1e-9)
 
 
 def test_one_sample_without_spread_is_compared() -> None:
     # Variances 0 and 1/2, pooled 1/4; t = 1/2 / sqrt(1/4 * (1/2 + 1/2)) = 1, 2 degrees of freedom.
-    p_value = two_sample_p_value(Moments.of([1.0, 1.0]), Moments.of([0.0, 1.0]))
+    p_value = two_sample_p_value(SampleMoments.of([1.0, 1.0]), SampleMoments.of([0.0, 1.0]))
     assert p_value == pytest.approx(1 - 1 / math.sqrt(3))
 
 
 def test_samples_without_variance_differ_or_not() -> None:
     # .1 has no exact mean: added up ten times it is not 1.
-    constant = Moments.of([0.1] * 10)
+    constant = SampleMoments.of([0.1] * 10)
 
     assert constant.std == 0.0
-    assert two_sample_p_value(constant, Moments(constant.mean, 0.0, 10)) == 1.0
-    assert two_sample_p_value(constant, Moments.of([0.2] * 10)) == 0.0
+    assert two_sample_p_value(constant, SampleMoments(constant.mean, 0.0, 10)) == 1.0
+    assert two_sample_p_value(constant, SampleMoments.of([0.2] * 10)) == 0.0
 
 
 def test_a_published_interval_tells_the_spread() -> None:
     values = [0.1, 0.4, 0.2, 0.9]
     interval = mean_interval(values, 0.9)
-    back = Moments.from_interval(interval.mean, interval.half_width, 4, 0.9)
+    back = SampleMoments.from_interval(interval.mean, interval.half_width, 4, 0.9)
 
-    assert back.std == pytest.approx(Moments.of(values).std)
+    assert back.std == pytest.approx(SampleMoments.of(values).std)
     assert back.interval(0.9).low == pytest.approx(interval.low)
 
 
@@ -171,4 +171,4 @@ def test_masked_values_are_refused() -> None:
     with pytest.raises(InputError, match="y_pred has masked values"):
         peirce_skill_score([1, 0, 0], masked)
     with pytest.raises(InputError, match="the sample has masked values"):
-        Moments.of(masked)
+        SampleMoments.of(masked)

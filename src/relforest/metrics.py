@@ -16,7 +16,7 @@ from relforest.support.options import at_least, in_range
 __all__ = [
     "NORMAL_95",
     "MeanInterval",
-    "Moments",
+    "SampleMoments",
     "mean_interval",
     "peirce_skill_score",
     "sidak_level",
@@ -108,12 +108,12 @@ def mean_interval(values: ArrayLike, level: float = 0.95) -> MeanInterval:
     InputError
         If there are fewer than two values, a value is not finite, or the level is out of range.
     """
-    return Moments.of(values).interval(level)
+    return SampleMoments.of(values).interval(level)
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Moments:
+class SampleMoments:
     """The statistics of independent values that a t-test needs.
 
     Parameters
@@ -130,7 +130,7 @@ class Moments:
     count: int
 
     @classmethod
-    def of(cls, values: ArrayLike) -> Moments:
+    def of(cls, values: ArrayLike) -> SampleMoments:
         """Return the moments of (n,) finite numbers.
 
         Raises
@@ -154,12 +154,12 @@ class Moments:
         return cls(float(sample.mean()), std, len(sample))
 
     @classmethod
-    def from_interval(cls, mean: float, half_width: float, count: int, level: float = 0.95) -> Moments:
+    def from_interval(cls, mean: float, half_width: float, count: int, level: float = 0.95) -> SampleMoments:
         """Return the moments of a published mean and the half-width of its t interval.
 
         Examples
         --------
-        >>> round(Moments.from_interval(0.76, 0.02, 100).std, 3)
+        >>> round(SampleMoments.from_interval(0.76, 0.02, 100).std, 3)
         0.101
         """
         return cls(mean, half_width / _half_width_in_stds(count, level), count)
@@ -170,12 +170,12 @@ class Moments:
         return MeanInterval(self.mean, self.mean - half, self.mean + half, level, self.count)
 
 
-def two_sample_p_value(one: Moments, other: Moments) -> float:
+def two_sample_p_value(one: SampleMoments, other: SampleMoments) -> float:
     """Return the two-tailed p-value of Student's two-sample t-test, which assumes equal variances.
 
     Parameters
     ----------
-    one, other : Moments
+    one, other : SampleMoments
 
     Returns
     -------
@@ -184,7 +184,7 @@ def two_sample_p_value(one: Moments, other: Moments) -> float:
 
     Examples
     --------
-    >>> one, other = Moments.of([1.0, 2.0, 3.0]), Moments.of([3.0, 4.0, 5.0])
+    >>> one, other = SampleMoments.of([1.0, 2.0, 3.0]), SampleMoments.of([3.0, 4.0, 5.0])
     >>> round(two_sample_p_value(one, other), 4)
     0.0705
     """

@@ -195,7 +195,7 @@ def test_a_page_of_each_task_is_written(
     assert f'"subtitle":"{subtitle}"' in first
 
 
-def test_blocks_and_colour_distances_can_be_chosen(run: CommandLine, tmp_path: Path) -> None:
+def test_blocks_and_color_distances_can_be_chosen(run: CommandLine, tmp_path: Path) -> None:
     out = tmp_path / "page.html"
     options = ("--policy", "random", "--blocks", "3", "--max-actions", "1", "--distance", "rgb")
 

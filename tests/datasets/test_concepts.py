@@ -69,7 +69,7 @@ def test_figure41_labels_follow_the_rule_and_both_disjuncts_matter() -> None:
     assert only_second >= 40
 
 
-def test_figure41_needs_the_colour_of_the_far_pair() -> None:
+def test_figure41_needs_the_color_of_the_far_pair() -> None:
     scenes, labels = figure41_scenes(np.random.default_rng(1), 400)
     far_reds_in_negatives = 0
     for scene in np.flatnonzero(~labels):
@@ -140,7 +140,7 @@ def test_between_arguments_are_two_objects_of_the_scene() -> None:
 
 def test_locations_fill_their_square_evenly() -> None:
     # Uniform on [0, 10]: mean 5, variance 100 / 12 = 8.33. The arguments of balanced scenes lie further apart
-    # than that, because a long axis has more room between; the colours of yellow_scenes say nothing about
+    # than that, because a long axis has more room between; the colors of yellow_scenes say nothing about
     # locations.
     scenes, _ = yellow_scenes(np.random.default_rng(0), 4000)
     location = scenes.values["location"]

@@ -15,11 +15,11 @@ def test_a_users_world_can_be_shown() -> None:
     assert not isinstance(object(), Shown)
 
 
-def test_words_can_be_read_without_colours() -> None:
+def test_words_can_be_read_without_colors() -> None:
     assert plain(("put ", Chip("3", "#ff0000"), " on ", Chip("1", "ink"))) == "put 3 on 1"
 
 
-def test_colours_are_roles_or_numbers() -> None:
+def test_colors_are_roles_or_numbers() -> None:
     assert [STAGE.shade(color) for color in ("disc", "ink", "#a0b1c2", "#a0b1c280")] == [
         "#0000ff",
         "#262626",
@@ -27,7 +27,7 @@ def test_colours_are_roles_or_numbers() -> None:
         "#a0b1c280",
     ]
     for color in ("red", "", "#fff", "#GGGGGG", "ink;"):
-        with pytest.raises(InputError, match=r"is no colour: write '#rrggbb', or one of paper, .*, disc"):
+        with pytest.raises(InputError, match=r"is no color: write '#rrggbb', or one of paper, .*, disc"):
             STAGE.shade(color)
 
 
@@ -42,7 +42,7 @@ def test_colours_are_roles_or_numbers() -> None:
     ],
 )
 def test_stages_are_checked(change: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match=r"a view is left < right|a colour is a word and two shades"):
+    with pytest.raises(InputError, match=r"a view is left < right|a color is a word and two shades"):
         Stage(**{"view": (0.0, 1.0, 0.0, 1.0), **change})
 
 

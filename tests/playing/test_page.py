@@ -168,7 +168,7 @@ def test_every_element_that_the_program_looks_for_is_there() -> None:
     assert wanted <= {attrs.get("id") for _, attrs in elements.tags}
 
 
-def test_all_colours_have_a_light_and_a_dark_shade() -> None:
+def test_all_colors_have_a_light_and_a_dark_shade() -> None:
     text = page([recorded()])
 
     assert data_of(text)["roles"] == list(STAGE.shades)
@@ -194,7 +194,7 @@ def test_what_cannot_be_shown_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
     far = Frame(9.0, (Thing("disc", DISC, np.inf, 0.0),))
     wrong = Frame(9.0, (), score=np.nan)
     red = Frame(9.0, (Thing("disc", (Circle((0.0, 0.0), 1.0, "red"),), 0.0, 0.0),))
-    for frame, message in ((far, "not finite"), (wrong, "not finite"), (red, "'red' is no colour")):
+    for frame, message in ((far, "not finite"), (wrong, "not finite"), (red, "'red' is no color")):
         with pytest.raises(InputError, match=message):
             page([replace(recorded(), frames=(*recorded().frames, frame))])
     monkeypatch.setattr("pkgutil.get_data", lambda *_: None)

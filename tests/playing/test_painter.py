@@ -21,7 +21,7 @@ def painted(*things: Thing, stage: Stage = PLAIN) -> NDArray[np.int64]:
 
 
 def places(picture: NDArray[np.int64], color: tuple[int, int, int]) -> NDArray[np.int64]:
-    """Rows and columns of the pixels of a colour."""
+    """Rows and columns of the pixels of a color."""
     return np.argwhere((picture == color).all(axis=2))
 
 
@@ -68,7 +68,7 @@ def test_what_comes_later_hides_what_came_before() -> None:
     assert len(places(picture, (0, 0, 255))) > 0
 
 
-def test_colours_may_be_transparent() -> None:
+def test_colors_may_be_transparent() -> None:
     paper, red = (Polygon(box(-10.0, 10.0, 0.0, 10.0), color) for color in ("#ffffff", "#ff000080"))
     picture = painted(Thing("a", (paper, red), 0.0, 0.0))
 
@@ -130,6 +130,6 @@ def test_the_picture_zooms_out_but_the_ground_stays() -> None:
     assert far[:, 1].max() < 200
 
 
-def test_unknown_colours_are_refused() -> None:
-    with pytest.raises(InputError, match="'red' is no colour"):
+def test_unknown_colors_are_refused() -> None:
+    with pytest.raises(InputError, match="'red' is no color"):
         painted(Thing("a", (Circle((0.0, 0.0), 1.0, "red"),), 0.0, 0.0))

@@ -46,7 +46,7 @@ def test_values_errors_and_their_means_are_drawn() -> None:
     ]
 
 
-def test_the_ground_is_coloured_by_the_best_action() -> None:
+def test_the_ground_is_colored_by_the_best_action() -> None:
     top, _ = draw().axes
     # Left is best up to x = 0.5, right from 0.75 on; they meet half-way.
     assert bars_of(top) == [(0.0, 0.625), (0.625, 0.375)]

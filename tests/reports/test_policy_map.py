@@ -68,7 +68,7 @@ def test_the_best_action_and_its_lead_are_found() -> None:
     assert found.margins.tolist() == [[1.5, 0.5, 0.5, 1.5]] * 2
 
 
-def test_colour_is_the_action_and_darkness_the_lead() -> None:
+def test_color_is_the_action_and_darkness_the_lead() -> None:
     image = image_of(draw())
     # Ten cells of 2 m; leads are 9, 7, 5, 3, 1 on both sides, and 9 is the 95 % quantile.
     assert image.shape == (10, 10, 3)

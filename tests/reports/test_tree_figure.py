@@ -22,7 +22,7 @@ LABELS = np.array([True, False, True])
 def test_instantiations_questions_and_leaves_have_their_shapes() -> None:
     tree_axes = tree_figure(five_questions()).axes[0]
 
-    # Three variables on the branches: A and B at the root, C before the colour.
+    # Three variables on the branches: A and B at the root, C before the color.
     assert len(tree_axes.findobj(Polygon, include_self=False)) == 3
     assert len(tree_axes.findobj(FancyBboxPatch, include_self=False)) == 5
     # Eleven leaves and the (invisible) background.

@@ -49,7 +49,7 @@ def test_a_question_stands_in_the_middle_above_its_answers() -> None:
 
     # Three boxes of width 1 with two gaps between them, the question above the middle one.
     assert layout.width == pytest.approx(3.0 + 2 * SIDE_GAP)
-    assert asked.center == pytest.approx(no.center)
+    assert asked.centre == pytest.approx(no.centre)
     assert yes.left == 0.0
     assert error.right == layout.width
     assert yes.top == pytest.approx(asked.bottom + ANSWER_GAP)

@@ -51,7 +51,7 @@ def test_questions_introduce_their_new_variables_but_no_arguments() -> None:
     new = introduced(tree.schema, tree.nodes)
 
     assert list(new) == [i for i, node in enumerate(tree.nodes) if isinstance(node, Question)]
-    # A is the passer; B is new at the root, and C at the question about colours.
+    # A is the passer; B is new at the root, and C at the question about colors.
     assert sorted(new.values()) == [(), (), (), (1,), (2,)]
 
 

@@ -96,7 +96,7 @@ def test_padded_arrays_give_the_same_scenes_back(scenes: Scenes) -> None:
         (observation(weight=np.zeros((2, 4))), PLANE, r"'weight' .* 2 scenes of 3 slots, got shape \(2, 4\)"),
         (observation(weight=np.zeros(3)), PLANE, r"'weight' .* got shape \(3,\)"),
         (
-            observation(colour=np.zeros((2, 3))),
+            observation(color=np.zeros((2, 3))),
             PLANE,
             "'colour' is not in the schema, which has 'location', 'w",
         ),

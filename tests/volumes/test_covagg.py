@@ -417,7 +417,7 @@ def test_extreme_values_are_harmless(dim: int, positive: float, negative: float)
 
 @pytest.mark.parametrize("max_condition", [1.0000001, 1e5, 1e7])
 @pytest.mark.parametrize("dim", [2, 3, 4])
-def test_grey_colours_lie_on_a_line(dim: int, max_condition: float) -> None:
+def test_grey_colors_lie_on_a_line(dim: int, max_condition: float) -> None:
     # All but one eigenvalue vanish; at larger limits the closed forms used to break down.
     for seed in range(5):
         rng = np.random.default_rng(seed)

@@ -123,7 +123,7 @@ class PlayOptions:
     max_actions
         Blocks tasks: actions after which an episode ends.
     distance
-        color-grouping: how colours are compared.
+        color-grouping: how colors are compared.
     episodes
         Number of episodes.
     seed

@@ -178,7 +178,7 @@ def yellow_scenes(
 
     Notes
     -----
-    A colour is a hue times a brightness uniform in [.4, 1], plus noise uniform in [-.03, .03] in each
+    A color is a hue times a brightness uniform in [.4, 1], plus noise uniform in [-.03, .03] in each
     channel, cut to [0, 1]. The hues are red (.9, .15, .1), green (.15, .7, .2), blue (.1, .2, .8), orange
     (.9, .4, .1), lime (.4, .9, .1) and grey (.8, .8, .8), .15 each, and yellow (.9, .85, .1), .1. The label:
     there is an object with abs(R - G) < .12, R + G > .5 and B < .2. Brightness stretches every hue along its

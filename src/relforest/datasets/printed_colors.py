@@ -27,7 +27,7 @@ _SIZE: Final = 5
 
 
 def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
-    """Draw bags of 5 colours in RGB space: yellow is positive; red, green and blue are negative.
+    """Draw bags of 5 colors in RGB space: yellow is positive; red, green and blue are negative.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
     Notes
     -----
-    The source measured printed colours in photographs and did not publish the numbers, so **the numbers here
-    are ours**; scores can be compared with the source's in kind, not in value. A print with the mean colour m
+    The source measured printed colors in photographs and did not publish the numbers, so **the numbers here
+    are ours**; scores can be compared with the source's in kind, not in value. A print with the mean color m
     is seen under light of changing strength by a camera with noise:
 
         x = m (1 + 0.2 a) + 0.06 e,  clipped to [0, 1],
 
     a from N(0, 1), e from N(0, I). Its covariance, clipping aside, is .04 m m' + .06^2 I: the standard
     deviation along m is .2 times its length and more, across it .06. The means, near those of the patches of
-    a colour chart in moderate light, are
+    a color chart in moderate light, are
 
         red (.52, .16, .18), green (.21, .44, .22), blue (.17, .18, .44), yellow (.70, .60, .15).
 
@@ -75,7 +75,7 @@ def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
 
 def _photographs(rng: np.random.Generator, means: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what a camera sees of prints with these mean colours, (..., 3)."""
+    """Return what a camera sees of prints with these mean colors, (..., 3)."""
     light = 1 + _LIGHT * rng.standard_normal((*means.shape[:-1], 1))
     seen: NDArray[np.float64] = np.clip(means * light + _NOISE * rng.standard_normal(means.shape), 0, 1)
     return seen

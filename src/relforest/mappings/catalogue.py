@@ -15,7 +15,7 @@ def catalogue(schema: Schema) -> tuple[Mapping, ...]:
 
     Each attribute lists the operations it takes part in (`Attribute.operations`), because every
     additional function costs significance through the correction for multiple comparisons. A schema
-    of location (2-D), colour, extent, extent ratio and orientation yields exactly the ten functions
+    of location (2-D), color, extent, extent ratio and orientation yields exactly the ten functions
     of section 4.3.
 
     Examples

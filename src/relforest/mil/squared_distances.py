@@ -28,7 +28,7 @@ def squared_distances(points: NDArray[np.float64], centres: NDArray[np.float64])
     Notes
     -----
     Computed as |x|^2 + |c|^2 - 2 x.c, which is fast and exact to a few units in the last place of the largest
-    |x|^2; center the points first.
+    |x|^2; centre the points first.
     """
     values = points @ centres.T
     values *= -2.0

@@ -29,7 +29,7 @@ class Thing(NamedTuple):
     angle: float = 0.0
     """Radians, counter-clockwise."""
     trail: str = ""
-    """Colour of the trail that shows where it was, if any."""
+    """Color of the trail that shows where it was, if any."""
 
 
 class Frame(NamedTuple):
@@ -46,7 +46,7 @@ class Frame(NamedTuple):
     score: float | None = None
     """How good the state is, if that is known."""
     band: str = ""
-    """Colour of this moment in the band over the slider."""
+    """Color of this moment in the band over the slider."""
     details: tuple[Words, ...] = ()
     """Lines about this moment for those who want to know everything."""
 
@@ -80,7 +80,7 @@ class Stage:
     Raises
     ------
     InputError
-        If a view is empty, or a colour is none.
+        If a view is empty, or a color is none.
     """
 
     view: View
@@ -99,7 +99,7 @@ class Stage:
                 raise InputError(f"a view is left < right and low < high, got {self.view} and {self.widest}")
         for role, shades in self.colors.items():
             if not _ROLE.fullmatch(role) or not all(_COLOR.fullmatch(shade) for shade in shades):
-                raise InputError(f"a colour is a word and two shades like '#a0b1c2', got {role!r}: {shades}")
+                raise InputError(f"a color is a word and two shades like '#a0b1c2', got {role!r}: {shades}")
 
     @property
     def shades(self) -> dict[str, tuple[str, str]]:
@@ -107,18 +107,18 @@ class Stage:
         return {**ROLES, **self.colors}
 
     def shade(self, color: str) -> str:
-        """Return a colour as it is on light paper, ``"#rrggbb"`` or ``"#rrggbbaa"``.
+        """Return a color as it is on light paper, ``"#rrggbb"`` or ``"#rrggbbaa"``.
 
         Raises
         ------
         InputError
-            If it is neither a role nor a colour.
+            If it is neither a role nor a color.
         """
         if _COLOR.fullmatch(color):
             return color
         shades = self.colors.get(color) or ROLES.get(color)
         if shades is None:
-            raise InputError(f"{color!r} is no colour: write '#rrggbb', or one of {', '.join(self.shades)}")
+            raise InputError(f"{color!r} is no color: write '#rrggbb', or one of {', '.join(self.shades)}")
         return shades[0]
 
     def framed(self, things: tuple[Thing, ...]) -> View:

@@ -40,7 +40,7 @@ def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: 
     Raises
     ------
     InputError
-        If recordings are missing, they differ in their stages, a number is not finite, a colour is unknown,
+        If recordings are missing, they differ in their stages, a number is not finite, a color is unknown,
         or a part of the page is missing from this installation.
 
     Notes

@@ -53,7 +53,7 @@ def paint(stage: Stage, frame: Frame) -> NDArray[np.uint8]:
     Raises
     ------
     InputError
-        If a colour is unknown.
+        If a color is unknown.
     """
     height, width = picture_shape(stage)
     image = Image.new("RGB", (width * _FINE, height * _FINE), stage.shade("paper"))
@@ -91,7 +91,7 @@ class _Brush:
         for shape in shapes:
             match shape:
                 case Circle():
-                    self._circle(shape, self._pixel(shape.center, thing))
+                    self._circle(shape, self._pixel(shape.centre, thing))
                 case Polygon():
                     corners = [self._pixel(corner, thing) for corner in shape.corners]
                     if shape.fill:
@@ -143,7 +143,7 @@ class _Brush:
         return self._column + self._scale * x, self._row - self._scale * y
 
     def _fill(self, corners: list[Point], shade: str) -> None:
-        # To blend colours takes ten times as long.
+        # To blend colors takes ten times as long.
         (self._draw if len(shade) == len("#rrggbb") else self._glaze).polygon(corners, shade)
 
     def _circle(self, shape: Circle, at: Point) -> None:

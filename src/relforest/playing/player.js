@@ -37,7 +37,7 @@ function plus(value) {
   return `${rounded > 0 ? "+" : ""}${signed(rounded, 2)}`;
 }
 
-// Colours and words
+// Colors and words
 
 const shade = (color) => (color.startsWith("#") ? color : colors[color]);
 
@@ -178,7 +178,7 @@ function fill(pen, color) {
 
 const DRAW = {
   circle(pen, { scale, place }, shape, pose) {
-    const [x, y] = place(shape.center, pose);
+    const [x, y] = place(shape.centre, pose);
     pen.beginPath();
     pen.arc(x, y, scale * shape.radius, 0, 2 * Math.PI);
     if (shape.fill) fill(pen, shape.fill);

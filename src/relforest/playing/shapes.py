@@ -1,7 +1,7 @@
 """What pictures consist of: circles, polygons, lines and texts, in the units of the world, y upwards.
 
-A colour is the name of a role, such as ``"ink"``, whose light and dark shades a `Stage` knows, or
-``"#rrggbb"``, or ``"#rrggbbaa"`` with an opacity. An empty one leaves out what it would colour.
+A color is the name of a role, such as ``"ink"``, whose light and dark shades a `Stage` knows, or
+``"#rrggbb"``, or ``"#rrggbbaa"`` with an opacity. An empty one leaves out what it would color.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ROLES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
         "mark": ("#1f7a5c", "#6fd0ad"),
     }
 )
-"""The colours of every stage: role -> its shade on light paper, and on dark paper."""
+"""The colors of every stage: role -> its shade on light paper, and on dark paper."""
 
 
 @final
@@ -33,7 +33,7 @@ ROLES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
 class Circle:
     """A disc, or with ``edge`` a circle of this line width."""
 
-    center: Point
+    centre: Point
     radius: float
     fill: str = ""
     edge: str = ""
@@ -77,7 +77,7 @@ class Text:
         Font size.
     color : str
     halo : str
-        Colour of an outline that sets it off from what lies behind.
+        Color of an outline that sets it off from what lies behind.
     side : float
         0: centred at the point; -1: begins there; 1: ends there.
     bold : bool
@@ -96,7 +96,7 @@ Shape: TypeAlias = Circle | Polygon | Line | Text
 
 
 class Chip(NamedTuple):
-    """The name of an object within a text, on its colour."""
+    """The name of an object within a text, on its color."""
 
     label: str
     color: str
@@ -107,7 +107,7 @@ Words: TypeAlias = Sequence[str | Chip]
 
 
 def plain(words: Words) -> str:
-    """Return a text without its colours."""
+    """Return a text without its colors."""
     return "".join(part if isinstance(part, str) else part.label for part in words)
 
 

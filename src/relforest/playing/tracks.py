@@ -74,7 +74,7 @@ def episode_data(recording: Recording, tables: Tables) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If a number is not finite, or a colour unknown.
+        If a number is not finite, or a color unknown.
     """
     frames, rate = recording.frames, recording.stage.rate
     start = frames[0].time
@@ -107,7 +107,7 @@ def episode_data(recording: Recording, tables: Tables) -> dict[str, Any]:
 
 
 def _tracks(frames: Sequence[Frame], tables: Tables) -> list[tuple[NDArray[np.float64], str]]:
-    """Return for each thing its (n_frames, 4) looks, x, y and angles, and the colour of its trail."""
+    """Return for each thing its (n_frames, 4) looks, x, y and angles, and the color of its trail."""
     tracks: dict[str, tuple[NDArray[np.float64], str]] = {}
     for row, frame in enumerate(frames):
         for key, shapes, x, y, angle, trail in frame.things:

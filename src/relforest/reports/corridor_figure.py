@@ -81,7 +81,7 @@ def corridor_figure(
     bellman : BellmanErrors
         Drawn as points, with the mean of each action as a dotted line.
     leaf_bands : sequence of LeafBand
-        One per tree, drawn as a bar that changes colour with the leaf.
+        One per tree, drawn as a bar that changes color with the leaf.
     title : str
 
     Raises

@@ -127,28 +127,28 @@ def _draw_node(axes: Axes, node: Node, text: NodeText, box: Box, *, lit: bool) -
         fill = probability_color(node.probability) if seen and isinstance(node, Leaf) else PAPER
         _add(axes, Rectangle(corner, *size, facecolor=fill, linestyle="-" if seen else ":"), lit=lit)
         ink = INK if seen or lit else GREY
-        y = _write(axes, text.tag, (box.center, box.top + _PADDING / 2), size=_SMALL, color=ink)
+        y = _write(axes, text.tag, (box.centre, box.top + _PADDING / 2), size=_SMALL, color=ink)
         y = _write(
             axes,
             text.lines[0],
-            (box.center, y),
+            (box.centre, y),
             size=_LARGE,
             color=ink,
             fontweight="bold" if seen else "normal",
         )
-        _write(axes, text.lines[1], (box.center, y), size=_TEXT, color=ink)
+        _write(axes, text.lines[1], (box.centre, y), size=_TEXT, color=ink)
     elif isinstance(node, Question):
         shape = "round,pad=0,rounding_size=0.12"
         _add(axes, FancyBboxPatch(corner, *size, boxstyle=shape, facecolor=PAPER), lit=lit)
-        y = _write(axes, text.tag, (box.center, box.top + _PADDING), size=_SMALL, color=GREY)
+        y = _write(axes, text.tag, (box.centre, box.top + _PADDING), size=_SMALL, color=GREY)
         for line in text.lines:
-            y = _write(axes, line, (box.center, y), size=_TEXT)
+            y = _write(axes, line, (box.centre, y), size=_TEXT)
     else:
         left, right = box.left + _SLANT, box.right - _SLANT
         corners = [(left, box.top), (box.right, box.top), (right, box.bottom), (box.left, box.bottom)]
         fill = mixed(_LIT, 0.2) if lit else mixed(GREY, 0.15)
         _add(axes, Polygon(corners, closed=True, facecolor=fill), lit=lit)
-        _write(axes, text.lines[0], (box.center, box.top + _PADDING / 2), size=_TEXT)
+        _write(axes, text.lines[0], (box.centre, box.top + _PADDING / 2), size=_TEXT)
 
 
 def _add(axes: Axes, shape: Patch, *, lit: bool) -> None:
@@ -159,7 +159,7 @@ def _add(axes: Axes, shape: Patch, *, lit: bool) -> None:
 def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) -> None:
     above, below = boxes
     axes.plot(
-        [above.center, below.center],
+        [above.centre, below.centre],
         [above.bottom, below.top],
         color=_LIT if lit else GREY,
         linewidth=2.2 if lit else 0.9,
@@ -168,7 +168,7 @@ def _draw_edge(axes: Axes, boxes: tuple[Box, Box], answer: str, *, lit: bool) ->
         clip_on=False,
     )
     if answer:
-        x = above.center + _ANSWERED * (below.center - above.center)
+        x = above.centre + _ANSWERED * (below.centre - above.centre)
         y = above.bottom + _ANSWERED * (below.top - above.bottom)
         style: dict[str, Any] = {"ha": "center", "va": "center", "color": GREY if answer == "error" else INK}
         box = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.5}

@@ -87,7 +87,7 @@ def policy_map_figure(
 ) -> Figure:
     """Draw, for each formation, the actions that a policy prefers if the takers stood elsewhere.
 
-    The colour at a position is the action preferred if the centre of the takers were there, darker the
+    The color at a position is the action preferred if the centre of the takers were there, darker the
     more its value exceeds the next best. Numbers are the keepers: 1 has the ball, 2 is its nearest teammate
     and so on. Asterisks are the takers in their actual positions. As in the monitor of the RoboCup 2-D
     server, y points down.

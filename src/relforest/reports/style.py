@@ -1,4 +1,4 @@
-"""The style of all pictures: colours that colour-blind readers can distinguish, thin lines, small type."""
+"""The style of all pictures: colors that color-blind readers can distinguish, thin lines, small type."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ POSITIVE: Final = BLUE
 NEGATIVE: Final = ORANGE
 
 SERIES: Final = (BLUE, ORANGE, GREEN, PINK, GOLD, SKY)
-"""Colours of lines, in order (Okabe and Ito's palette, without its yellow, which is too light for lines)."""
+"""Colors of lines, in order (Okabe and Ito's palette, without its yellow, which is too light for lines)."""
 MARKERS: Final = ("o", "s", "^", "D", "v", "P")
-"""Markers of lines, in the same order, for printing without colours."""
+"""Markers of lines, in the same order, for printing without colors."""
 
 # Keys are `Any` because their type differs between versions of Matplotlib.
 STYLE: Final[Mapping[Any, Any]] = MappingProxyType(
@@ -69,7 +69,7 @@ def styled() -> AbstractContextManager[None]:
 
 
 def mixed(color: str, share: float, ground: str = PAPER) -> Color:
-    """Mix ``share`` parts of a colour with ``1 - share`` parts of another; returns red, green and blue."""
+    """Mix ``share`` parts of a color with ``1 - share`` parts of another; returns red, green and blue."""
     red, green, blue = (
         share * own + (1.0 - share) * other for own, other in zip(to_rgb(color), to_rgb(ground), strict=True)
     )
@@ -77,6 +77,6 @@ def mixed(color: str, share: float, ground: str = PAPER) -> Color:
 
 
 def probability_color(probability: float) -> Color:
-    """Return the colour of a leaf: from negative at 0 through white at 1/2 to positive at 1."""
+    """Return the color of a leaf: from negative at 0 through white at 1/2 to positive at 1."""
     strength = 0.65 * abs(2.0 * probability - 1.0)
     return mixed(POSITIVE if probability >= 0.5 else NEGATIVE, strength)

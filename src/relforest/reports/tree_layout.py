@@ -30,7 +30,7 @@ class Box:
     bottom: float
 
     @property
-    def center(self) -> float:
+    def centre(self) -> float:
         """Horizontal position of the middle."""
         return (self.left + self.right) / 2
 
@@ -93,5 +93,5 @@ def _side_by_side(subtrees: Sequence[dict[int, Box]], roots: Sequence[int]) -> l
         placed.append({node: box.moved(shift, 0.0) for node, box in subtree.items()})
     if not placed:
         return placed
-    middle = (placed[0][roots[0]].center + placed[-1][roots[-1]].center) / 2
+    middle = (placed[0][roots[0]].centre + placed[-1][roots[-1]].centre) / 2
     return [{node: box.moved(-middle, 0.0) for node, box in subtree.items()} for subtree in placed]

@@ -50,7 +50,7 @@ def draw_volume(
         Used to label the axes.
     volume : Volume
     points : QuestionPoints, optional
-        The points that the question sees; positive and negative scenes differ in colour.
+        The points that the question sees; positive and negative scenes differ in color.
     witness : (d,) float64, optional
         A point to mark; ignored if it is undefined or too large to learn from.
     """
@@ -119,14 +119,14 @@ def _draw_ellipse(
 def _add_ellipse(axes: Axes, volume: Ellipsoid) -> None:
     long, _ = volume.axes
     size = 2 * np.linalg.norm(volume.axes, axis=1)
-    center = (float(volume.mean[0]), float(volume.mean[1]))
+    centre = (float(volume.mean[0]), float(volume.mean[1]))
     angle = math.degrees(math.atan2(long[1], long[0]))
-    shape = {"xy": center, "width": size[0], "height": size[1], "angle": angle}
+    shape = {"xy": centre, "width": size[0], "height": size[1], "angle": angle}
     axes.add_patch(Ellipse(**shape, facecolor=_FILL, edgecolor="none", zorder=0.5))
     axes.add_patch(Ellipse(**shape, facecolor="none", edgecolor=_FILL_EDGE, linewidth=1.4, zorder=3))
     for axis in volume.axes:
-        end = (center[0] + axis[0], center[1] + axis[1])
-        arrow = FancyArrowPatch(center, end, arrowstyle="-|>", mutation_scale=8.0, shrinkA=0.0, shrinkB=0.0)
+        end = (centre[0] + axis[0], centre[1] + axis[1])
+        arrow = FancyArrowPatch(centre, end, arrowstyle="-|>", mutation_scale=8.0, shrinkA=0.0, shrinkB=0.0)
         arrow.set(color=INK, linewidth=1.0, zorder=4)
         axes.add_patch(arrow)
 

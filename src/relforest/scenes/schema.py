@@ -63,7 +63,7 @@ class Attribute:
         ``"angle"`` for the name ``"orientation"`` with ``dim`` 1, otherwise ``"euclidean"``.
     operations : iterable of str, optional
         Operations of `OPERATION_NAMES` that the attribute takes part in. The defaults give the functions of
-        Palmer (2015), section 4.3: identity and difference for a colour, identity for extents and angles, and
+        Palmer (2015), section 4.3: identity and difference for a color, identity for extents and angles, and
         identity, distance, difference and (in two dimensions) both reframes for anything else. A category
         has its own two: identity, and whether two objects are of the same category.
     categories : iterable of str, optional
@@ -71,7 +71,7 @@ class Attribute:
         sorted.
     role : {"location", "color", "extent", "property"}, optional
         What the attribute means, which decides how sentences speak of it ("is within 3 of" a location) and
-        the default operations. Default: that of the names location, position, color, colour, extent and
+        the default operations. Default: that of the names location, position, color, color, extent and
         extent_ratio, otherwise ``"property"``.
 
     Raises

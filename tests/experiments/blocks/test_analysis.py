@@ -49,7 +49,7 @@ def table(*, gain: float = 1.0) -> Table:
         found += rows(LIFT, size, "steps", [float(author)])
     for part, policies in POLICIES.items():
         for place, policy in enumerate(policies):
-            # Colour grouping has two pairs of a random and a manual policy.
+            # Color grouping has two pairs of a random and a manual policy.
             level = gain * place + (1.0 if part == TOWERS else 0.0)
             found += rows(part, policy, "total", level + np.array([-0.01, 0.0, 0.01]))
     for policy in POLICIES[ARCHES]:
@@ -95,7 +95,7 @@ def test_policies_must_be_ordered() -> None:
     missed = {claim.name for claim in summarize(table(gain=0.0)).claims if claim.is_missed}
 
     assert "high towers, large-first above small-first: lower end of the 95 % interval" in missed
-    assert "colour grouping, manual above random: lower end of the 95 % interval" in missed
+    assert "color grouping, manual above random: lower end of the 95 % interval" in missed
     assert "arch, careful above trainer: lower end of the 95 % interval" in missed
     assert len(missed) == 6
 

@@ -82,7 +82,7 @@ def test_an_episode_of_random_play_has_five_options() -> None:
 
 
 @pytest.mark.parametrize("sampling", [UNIFORM_RGB, BLOCK_COLORS])
-def test_distances_of_colours_are_those_expected(sampling: str) -> None:
+def test_distances_of_colors_are_those_expected(sampling: str) -> None:
     found = {name: values[0] for name, values in measured(COLORS, sampling, 20_000).items()}
 
     for name, expected in COLOR_REFERENCE[sampling].items():

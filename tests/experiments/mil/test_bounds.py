@@ -11,7 +11,7 @@ from relforest.experiments.mil.methods import IMPROVED, METHODS, PEERS
 from relforest.experiments.mil.results import Results
 from relforest.experiments.mil.settings import EXPLAINED, REPRODUCED
 from relforest.experiments.table import Row
-from relforest.metrics import Moments, two_sample_p_value
+from relforest.metrics import SampleMoments, two_sample_p_value
 
 
 def claims(results: Results) -> list[Claim]:
@@ -33,7 +33,7 @@ def test_scores_are_tested_against_the_sources() -> None:
 
     assert same.measured == pytest.approx(1.0)
     # The source: .76 +- .02 of 100 draws, t(.975; 99) = 1.98422, so the deviation is .2 / 1.98422 = .1008.
-    expected = two_sample_p_value(Moments.of(around(0.95)), Moments(0.76, 0.1008, 100))
+    expected = two_sample_p_value(SampleMoments.of(around(0.95)), SampleMoments(0.76, 0.1008, 100))
     assert other.measured == pytest.approx(expected, rel=1e-2)
     assert (same.is_missed, other.is_missed) == (False, True)
 

@@ -10,11 +10,11 @@ from relforest.experiments.mil.methods import IMPROVED
 from relforest.experiments.mil.results import Results, mark, means
 from relforest.experiments.mil.settings import N_COMPARISONS
 from relforest.experiments.table import Table
-from relforest.metrics import Moments
+from relforest.metrics import SampleMoments
 
 
-def of(mean: float) -> Moments:
-    return Moments(mean, 1.0, 10)
+def of(mean: float) -> SampleMoments:
+    return SampleMoments(mean, 1.0, 10)
 
 
 # Two samples of 10 with standard deviation 1: the error of the difference is sqrt(2 / 10) = .4472, with 18
@@ -56,8 +56,8 @@ def test_rows_are_grouped_by_cell() -> None:
     done, stopped = results.get("musk1", "dd"), results.get("color", "covagg")
     assert done is not None
     assert stopped is not None
-    assert (done.skill, done.is_stopped, done.peak_bytes) == (Moments.of([0.2, 0.4]), False, 7)
-    assert done.seconds == Moments.of([1.0, 3.0])
+    assert (done.skill, done.is_stopped, done.peak_bytes) == (SampleMoments.of([0.2, 0.4]), False, 7)
+    assert done.seconds == SampleMoments.of([1.0, 3.0])
     assert (stopped.skill, stopped.seconds, stopped.is_stopped, stopped.peak_bytes) == (None, None, True, 9)
     assert stopped.facts["n_bags"] == 92
 

@@ -25,17 +25,17 @@ def learned(**options: Any) -> DiverseDensityClassifier:
     return DiverseDensityClassifier(**options).fit(BAGS, Y)
 
 
-def fixed(center: float, scale: float) -> DiverseDensityClassifier:
+def fixed(centre: float, scale: float) -> DiverseDensityClassifier:
     """A model of one feature with a hypothesis of our choice."""
     model = DiverseDensityClassifier().fit([[[0.0]], [[1.0]]], [0, 1])
-    model.center_, model.scales_ = np.array([center]), np.array([scale])
+    model.centre_, model.scales_ = np.array([centre]), np.array([scale])
     return model
 
 
 def test_the_density_is_that_of_the_attributes() -> None:
     for scale in (True, False):
         model = learned(scale=scale)
-        expected = reference.negative_log_density(list(BAGS), Y == 1, model.center_, model.scales_)
+        expected = reference.negative_log_density(list(BAGS), Y == 1, model.centre_, model.scales_)
         assert model.negative_log_density_ == pytest.approx(expected, rel=1e-6)
 
 
@@ -43,9 +43,9 @@ def test_no_hypothesis_nearby_is_denser() -> None:
     model = learned(scale=False)
     rng = np.random.default_rng(0)
     for _ in range(20):
-        center = model.center_ + 0.05 * rng.standard_normal(2)
+        centre = model.centre_ + 0.05 * rng.standard_normal(2)
         scales = model.scales_ * (1 + 0.05 * rng.standard_normal(2))
-        other = reference.negative_log_density(list(BAGS), Y == 1, center, scales)
+        other = reference.negative_log_density(list(BAGS), Y == 1, centre, scales)
         assert other > model.negative_log_density_ - 1e-3
 
 
@@ -77,7 +77,7 @@ def test_instances_given_twice_count_twice() -> None:
     # That moves the optimum: the hypothesis for instances that come twice explains them better.
     doubled = np.concatenate([BAGS, BAGS], axis=1)
     other = DiverseDensityClassifier().fit(doubled, Y)
-    here = reference.negative_log_density(list(doubled), Y == 1, model.center_, model.scales_)
+    here = reference.negative_log_density(list(doubled), Y == 1, model.centre_, model.scales_)
     assert other.negative_log_density_ < here
     assert other.score(BAGS, Y) >= 0.96
 
@@ -98,7 +98,7 @@ def test_climbing_all_starts_is_never_worse() -> None:
 def test_more_starts_wanted_than_there_are() -> None:
     many, every = learned(refined=10_000), learned(refined=None)
 
-    assert many.center_.tolist() == every.center_.tolist()
+    assert many.centre_.tolist() == every.centre_.tolist()
 
 
 def test_starts_are_the_instances_of_the_largest_positive_bags(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -43,26 +43,26 @@ def test_witnesses_and_mistakes_on_a_line() -> None:
 def test_the_plain_twin_alternates_to_the_same(start: int) -> None:
     bags, positive = noisy()
     hypothesis = np.array([bags[start, 0], [1.0, 1.0]])
-    expected, center, scales = reference.alternate(list(bags), positive, bags[start, 0])
+    expected, centre, scales = reference.alternate(list(bags), positive, bags[start, 0])
     sample = as_sample(bags.reshape(-1, 2), np.arange(0, 91, 3), positive)
     value = improve_by_rounds(sample, hypothesis, 500, np.empty(90))
 
     assert value == pytest.approx(expected, rel=1e-3)
-    np.testing.assert_allclose(hypothesis[0], center, atol=0.02)
+    np.testing.assert_allclose(hypothesis[0], centre, atol=0.02)
     np.testing.assert_allclose(np.abs(hypothesis[1]), np.abs(scales), atol=0.02)
 
 
 def test_one_instance_per_bag_makes_it_diverse_density() -> None:
     rows = BAGS[:, 0]
     model = EMDDClassifier(start_bags=None, scale=False).fit(rows, Y)
-    expected = reference.negative_log_density(list(rows[:, None]), Y == 1, model.center_, model.scales_)
+    expected = reference.negative_log_density(list(rows[:, None]), Y == 1, model.centre_, model.scales_)
 
     assert model.negative_log_density_ == pytest.approx(expected, rel=1e-6)
 
 
 def test_scores_are_log_odds_of_the_best_instance() -> None:
     model = EMDDClassifier(random_state=0).fit([[[0.0]], [[1.0]]], [0, 1])
-    model.center_, model.scales_ = np.array([1.0]), np.array([2.0])
+    model.centre_, model.scales_ = np.array([1.0]), np.array([2.0])
     half, quarter = (1 + math.sqrt(math.log(n)) / 2 for n in (2, 4))
 
     assert expit(model.decision_function([[[quarter]], [[quarter], [half]]])) == pytest.approx(
@@ -77,14 +77,14 @@ def test_the_seed_decides_which_bags_it_starts_from() -> None:
     noise = np.random.default_rng(0).standard_normal((40, 3, 2))
     y = np.arange(40) % 2
 
-    def center(seed: int | None, start_bags: int | None = 1) -> list[float]:
+    def centre(seed: int | None, start_bags: int | None = 1) -> list[float]:
         model = EMDDClassifier(start_bags=start_bags, random_state=seed).fit(noise, y)
-        return list(model.center_.tolist())
+        return list(model.centre_.tolist())
 
-    assert center(1) == center(1)
-    assert len({tuple(center(seed)) for seed in range(8)}) > 1
+    assert centre(1) == centre(1)
+    assert len({tuple(centre(seed)) for seed in range(8)}) > 1
     # All positive bags, by number or by None: nothing is left to chance.
-    assert center(1, None) == center(2, None) == center(3, 1000)
+    assert centre(1, None) == centre(2, None) == centre(3, 1000)
 
 
 def test_more_starts_make_no_more_mistakes() -> None:

@@ -38,13 +38,13 @@ def test_starts_are_the_different_instances_of_the_bags_chosen() -> None:
 
 def test_a_hypothesis_comes_back_in_the_units_of_the_bags() -> None:
     search = search_space(BAGS, POSITIVE, scale=True)
-    center, scales = search.in_own_units(np.array([[0.5, 0.0], [-3.0, 0.0]]))
+    centre, scales = search.in_own_units(np.array([[0.5, 0.0], [-3.0, 0.0]]))
 
     # 3 + 0.5 * 2; scales count as absolute values, per deviation: 3 / 2.
-    assert center.tolist() == [4, 7]
+    assert centre.tolist() == [4, 7]
     assert scales.tolist() == [1.5, 0]
     model = DiverseDensityClassifier()
-    model.center_, model.scales_ = center, scales
+    model.centre_, model.scales_ = centre, scales
     # (1.5 * 2)^2, whatever the constant feature says.
     expected = instance_log_odds(np.array([9.0, 0.0]))
     assert model._instance_scores(np.array([[6.0, 100.0], [4.0, 0.0]])).tolist() == expected.tolist()

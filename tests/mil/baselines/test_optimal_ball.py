@@ -20,7 +20,7 @@ def test_a_ball_on_a_line() -> None:
     bags = [[[20.0], [0.0]], [[1.0]], [[2.0]], [[-8.0], [9.0]], [[30.0]]]
     model = OptimalBallClassifier(normalize=False).fit(bags, [1, 1, 1, 0, 0])
 
-    assert (model.center_.tolist(), model.radius_, model.scales_.tolist()) == ([0.0], 5.0, [1.0])
+    assert (model.centre_.tolist(), model.radius_, model.scales_.tolist()) == ([0.0], 5.0, [1.0])
     assert model.decision_function([[[5.0]], [[5.5], [-3.0]], [[7.0]]]).tolist() == [0.0, 2.0, -2.0]
     assert model.predict([[[5.0]], [[5.5], [-3.0]], [[7.0]]]).tolist() == [1, 1, 0]
     assert model.decision_instances([[[5.5], [-3.0]]])[0].tolist() == [-0.5, 2.0]
@@ -32,7 +32,7 @@ def test_the_range_is_one_after_normalisation() -> None:
     bags = [[[7.0, x] for x in bag] for bag in line]
     model = OptimalBallClassifier().fit(bags, [1, 1, 1, 0, 0])
 
-    assert model.center_.tolist() == [7.0, 0.0]
+    assert model.centre_.tolist() == [7.0, 0.0]
     assert model.scales_.tolist() == [0.0, 1 / 38]
     assert model.radius_ == pytest.approx(5 / 38)
     assert model.predict([[[-500.0, 4.9]], [[7.0, 5.1]]]).tolist() == [1, 0]
@@ -52,7 +52,7 @@ def test_bags_at_equal_distances_are_not_parted() -> None:
     model = OptimalBallClassifier(normalize=False).fit([[[0.0]], [[1.0]], [[-1.0]]], [1, 1, 0])
 
     # From 1: 0, 1 | 2 is right for all.
-    assert (model.center_.tolist(), model.radius_) == ([1.0], 1.5)
+    assert (model.centre_.tolist(), model.radius_) == ([1.0], 1.5)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -65,7 +65,7 @@ def test_the_plain_twin_finds_the_same(seed: int) -> None:
     model = OptimalBallClassifier(normalize=False).fit(bags, positive)
 
     assert model.radius_ == pytest.approx(radius)
-    distances = [np.linalg.norm(bag - model.center_, axis=1).min() for bag in bags]
+    distances = [np.linalg.norm(bag - model.centre_, axis=1).min() for bag in bags]
     assert ((np.array(distances) <= model.radius_) == positive).sum() == right
     assert (model.predict(bags) == positive).sum() == right
 
@@ -77,7 +77,7 @@ def test_blocks_of_centres_change_nothing(monkeypatch: pytest.MonkeyPatch) -> No
     whole = OptimalBallClassifier().fit(bags, y)
     monkeypatch.setattr(optimal_ball, "_LARGEST_TABLE", 3000)
     pieces = OptimalBallClassifier().fit(bags, y)
-    assert (whole.center_.tolist(), whole.radius_) == (pieces.center_.tolist(), pieces.radius_)
+    assert (whole.centre_.tolist(), whole.radius_) == (pieces.centre_.tolist(), pieces.radius_)
 
 
 def test_a_rotation_does_not_matter_without_normalisation() -> None:
@@ -86,5 +86,5 @@ def test_a_rotation_does_not_matter_without_normalisation() -> None:
     model = OptimalBallClassifier(normalize=False).fit(bags, Y)
     turned = OptimalBallClassifier(normalize=False).fit(bags @ rotation, Y)
 
-    np.testing.assert_allclose(turned.center_, model.center_ @ rotation)
+    np.testing.assert_allclose(turned.centre_, model.centre_ @ rotation)
     np.testing.assert_allclose(turned.decision_function(test @ rotation), model.decision_function(test))

@@ -87,7 +87,7 @@ def test_leading_dimensions_are_broadcast() -> None:
     assert table[1, 3] == ciede2000(lab[1], lab[3])
 
 
-def test_random_colours_differ_as_the_thresholds_of_the_task_presume() -> None:
+def test_random_colors_differ_as_the_thresholds_of_the_task_presume() -> None:
     # Uniform RGB: a distance of 30 is near the 25th percentile, the median near 45, 120 out of reach.
     rgb = np.random.default_rng(2).random((20_000, 2, 3))
     lab = srgb_to_lab(rgb)

@@ -38,7 +38,7 @@ def recorded(env: BlocksEnv, seed: int = 0) -> Recording:
     return episode
 
 
-def test_blocks_are_things_in_their_colours() -> None:
+def test_blocks_are_things_in_their_colors() -> None:
     one, other = block_things(SIDES, POSES, COLORS, [7, 8])
     body, label = one.shapes
 
@@ -118,7 +118,7 @@ def test_stacks_are_marked_with_what_they_score() -> None:
     sim.place(blocks, [(x, y, 0.0) for x, y in places])
     red, one, grey, other = marks_of(sim.state, color_grouping("rgb"))
 
-    # Equal colours score 1, the most different ones -1; the block between has no stack.
+    # Equal colors score 1, the most different ones -1; the block between has no stack.
     assert isinstance(red, Line)
     assert isinstance(grey, Line)
     assert [(end[0][0], end[1][0]) for end in (red.points, grey.points)] == [(-22.0, -17.0), (18.0, 22.0)]

@@ -14,7 +14,7 @@ from relforest.worlds import environment_id
 from relforest.worlds.blocks.arch_policies import CarefulPolicy, TrainerPolicy
 from relforest.worlds.blocks.color_policy import ColorPolicy
 from relforest.worlds.blocks.env import arch_env
-from relforest.worlds.blocks.moment import Watcher
+from relforest.worlds.blocks.moment import Observer
 from relforest.worlds.blocks.policies import POLICIES, Policy, RandomPolicy, make_policy
 from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import Task, arch, color_grouping, high_towers
@@ -30,7 +30,7 @@ class StagedWorld:
     state: BlocksState
 
     def decision(self) -> Decision:
-        watcher = Watcher(self.task, len(self.state))
+        watcher = Observer(self.task, len(self.state))
         watcher.begin(self.state.ids)
         return watcher.look(self.state).decision
 
@@ -120,7 +120,7 @@ def test_two_isolated_blocks_may_begin_a_group() -> None:
     assert chosen(ColorPolicy(), grouping(state)) == ("put", (1, 2))
 
 
-def test_when_colours_are_grouped_an_isolated_block_stays_isolated() -> None:
+def test_when_colors_are_grouped_an_isolated_block_stays_isolated() -> None:
     # 2 overlaps no other block; 1 does not count as part of the stack of 0 and 3, but overlaps it.
     state = staged(
         ((3, 2), (0, 2, 0)),

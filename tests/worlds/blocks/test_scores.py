@@ -67,7 +67,7 @@ def test_a_stack_of_three_by_hand() -> None:
     assert grouping_score(state, RGB) == pytest.approx(0.85565 - 0.24336, abs=1e-4)
 
 
-def test_two_stacks_add_up_and_equal_colours_score_one_each() -> None:
+def test_two_stacks_add_up_and_equal_colors_score_one_each() -> None:
     red, blue = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
     state = row(-20.0, -20.0, 20.0, 20.0, 20.0, colors=[red, red, blue, blue, blue])
     # Five blocks, two prototypes.
@@ -79,9 +79,9 @@ def test_the_prototype_is_the_member_nearest_to_the_mean_in_lab() -> None:
     colors = [(0.9, 0.2, 0.1), (0.8, 0.3, 0.2), (0.3, 0.3, 0.9)]
     lab = srgb_to_lab(colors)
     to_mean = ciede2000(lab, lab.mean(axis=0))
-    center = int(np.argmin(to_mean))
-    others = [i for i in range(3) if i != center]
-    expected = sum(match_score(ciede2000(lab[others], lab[center]), CIEDE))
+    centre = int(np.argmin(to_mean))
+    others = [i for i in range(3) if i != centre]
+    expected = sum(match_score(ciede2000(lab[others], lab[centre]), CIEDE))
     assert grouping_score(row(0.0, 0.0, 0.0, colors=colors), CIEDE) == pytest.approx(expected)
 
 
@@ -123,7 +123,7 @@ def test_the_score_is_the_sum_over_stacks_taken_one_by_one(state: BlocksState) -
         total = 0.0
         for label in set(labels.tolist()):
             points = distance.coordinates(state.colors[labels == label])
-            center = prototype(points, distance.difference)
-            others = np.delete(points, center, axis=0)
-            total += float(match_score(distance.difference(others, points[center]), distance).sum())
+            centre = prototype(points, distance.difference)
+            others = np.delete(points, centre, axis=0)
+            total += float(match_score(distance.difference(others, points[centre]), distance).sum())
         assert grouping_score(state, distance) == pytest.approx(total, abs=1e-9)

@@ -93,11 +93,11 @@ def test_overlapping_blocks_are_pushed_apart() -> None:
     blocks, _ = squares(*[0.0] * 6)
     sim.place(blocks, [(0.0, 20.0, 0.0)] * 6)
     sim.wait_for_rest(2000)
-    centers = sim.poses[:, :2]
+    centres = sim.poses[:, :2]
 
     assert (sim.bounds[:, 2] > -0.01).all()
     # Squares of side 2 do not overlap if their centres are at least 2 apart.
-    apart = np.hypot(*(centers[:, None] - centers[None]).transpose(2, 0, 1)) + 9 * np.eye(6)
+    apart = np.hypot(*(centres[:, None] - centres[None]).transpose(2, 0, 1)) + 9 * np.eye(6)
     assert apart.min() > 1.95
 
 

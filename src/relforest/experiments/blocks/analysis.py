@@ -125,7 +125,7 @@ def _colors(samples: Samples) -> Sheet:
         ours = (samples.mean((settings.COLORS, sampling, name)).value for name in reference)
         rows += [(f"{sampling}, ours", *ours), (f"{sampling}, expected", *reference.values())]
     columns = dict.fromkeys(titles, lambda value: ".1f" if value > 1 else ".3f")
-    return Sheet("Distances of random pairs of colours", {"": "", **columns}, tuple(rows))
+    return Sheet("Distances of random pairs of colors", {"": "", **columns}, tuple(rows))
 
 
 def _outcomes(samples: Samples) -> Sheet:

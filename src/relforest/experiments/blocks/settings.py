@@ -18,7 +18,7 @@ COLORS: Final = "colors"
 OUTCOMES: Final = "outcomes"
 SPEED: Final = "speed"
 
-TASK_TITLES: Final[Mapping[str, str]] = {TOWERS: "high towers", GROUPS: "colour grouping", ARCHES: "arch"}
+TASK_TITLES: Final[Mapping[str, str]] = {TOWERS: "high towers", GROUPS: "color grouping", ARCHES: "arch"}
 
 
 @final
@@ -31,9 +31,9 @@ class BlocksSetting:
     part : str
         SETTLE, LIFT, TOWERS, GROUPS, ARCHES, COLORS, OUTCOMES or SPEED.
     condition : str
-        Which blocks, policy, colours or task.
+        Which blocks, policy, colors or task.
     count : int
-        Drops, episodes, pairs of colours or scenes.
+        Drops, episodes, pairs of colors or scenes.
     chunk : int
         Number of this share of the measurement; shares are computed side by side.
     """
@@ -68,7 +68,7 @@ POLICIES: Final[Mapping[str, tuple[str, ...]]] = {
 """Task -> the policies that play it, from the weakest to the best."""
 
 UNIFORM_RGB: Final = "uniform RGB"
-BLOCK_COLORS: Final = "colours of blocks"
+BLOCK_COLORS: Final = "colors of blocks"
 
 BALANCE: Final = "balance scale, 1 to 4 weights"
 BALANCE_LARGE: Final = "balance scale, 5 to 6 weights"
@@ -169,7 +169,7 @@ COLOR_REFERENCE: Final[Mapping[str, Mapping[str, float]]] = {
     BLOCK_COLORS: {"lab_q25": 25.0, "lab_q50": 36.8, "lab_max": 115.0, "lab_near": 0.355, "rgb_q25": 0.357}
     | {"rgb_near": 0.42},
 }
-"""Distances of random pairs of colours: CIEDE2000 quartile, median, maximum and share up to 30; the same
+"""Distances of random pairs of colors: CIEDE2000 quartile, median, maximum and share up to 30; the same
 quartile and the share up to 0.5 of distances in RGB."""
 
 SETTLE_TOLERANCE: Final[Mapping[str, float]] = {"mean": 0.10, "median": 0.15}

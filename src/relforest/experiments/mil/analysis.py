@@ -20,7 +20,7 @@ from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Entry, Estimate, Format, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
-from relforest.metrics import Moments
+from relforest.metrics import SampleMoments
 
 _SOURCE: Final = "  source"
 _MARKS: Final = (
@@ -111,7 +111,7 @@ def _compared(
     ours: Result | None,
     method: str,
     result: Result,
-    moments: Callable[[Result], Moments | None],
+    moments: Callable[[Result], SampleMoments | None],
     *,
     is_cost: bool = False,
 ) -> Estimate:

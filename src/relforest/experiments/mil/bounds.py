@@ -18,7 +18,7 @@ from relforest.experiments.mil.data import COMPARED, DATA_SETS, HELD_OUT, N_FOLD
 from relforest.experiments.mil.methods import COVAGG, IMPROVED, METHODS, PEERS
 from relforest.experiments.mil.published import SCORES
 from relforest.experiments.mil.results import Result, Results, means
-from relforest.metrics import Moments, two_sample_p_value
+from relforest.metrics import SampleMoments, two_sample_p_value
 
 _WHOLES: Final[Mapping[str, Sequence[str]]] = {
     f"{len(COMPARED)} data sets": COMPARED,
@@ -104,7 +104,7 @@ def _p_value(found: Result, data_set: str, *, is_exact: bool) -> float:
         return 1.0
     count = N_FOLDS if data_set in settings.STANDARD else settings.N_DRAWS
     # The source prints the half width to .01, so that its spread is known to .005 of it at best.
-    source = Moments.from_interval(published.value, published.spread or 0.0, count)
+    source = SampleMoments.from_interval(published.value, published.spread or 0.0, count)
     return two_sample_p_value(ours, source)
 
 

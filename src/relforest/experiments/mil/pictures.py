@@ -17,7 +17,7 @@ from relforest.experiments.mil.results import Result, Results
 from relforest.experiments.mil.settings import SETTINGS
 from relforest.experiments.sheets import Estimate
 from relforest.experiments.table import Table
-from relforest.metrics import Moments
+from relforest.metrics import SampleMoments
 from relforest.reports.style import BLUE, GREY, INK, ORANGE, PALE, PAPER, styled
 
 _COLUMNS: Final = 4
@@ -48,7 +48,7 @@ def figures(table: Table) -> Mapping[str, Figure]:
 def _figure(
     results: Results,
     methods: Sequence[str],
-    moments_of: Callable[[Result], Moments | None],
+    moments_of: Callable[[Result], SampleMoments | None],
     published: Mapping[tuple[str, str], Estimate],
     abscissa: str,
     *,
@@ -86,7 +86,7 @@ def _figure(
     return figure
 
 
-def _draw(axes: Axes, row: int, method: str, ours: Moments | None, source: Estimate | None) -> None:
+def _draw(axes: Axes, row: int, method: str, ours: SampleMoments | None, source: Estimate | None) -> None:
     """Draw our mean with its interval, and the source's below it with hollow marks."""
     if source is not None and not math.isnan(source.value):
         place = row + _BELOW

@@ -12,7 +12,7 @@ from relforest.experiments.mil.data import COMPARED, DATA_SETS
 from relforest.experiments.mil.methods import IMPROVED, METHODS
 from relforest.experiments.mil.settings import ALPHA, N_COMPARISONS, STOPPED
 from relforest.experiments.table import Cell, Table
-from relforest.metrics import Moments, sidak_level, two_sample_p_value
+from relforest.metrics import SampleMoments, sidak_level, two_sample_p_value
 
 
 @final
@@ -39,14 +39,14 @@ class Result:
     facts: Mapping[str, Cell]
 
     @property
-    def skill(self) -> Moments | None:
+    def skill(self) -> SampleMoments | None:
         """Mean and spread of the scores; None if it was stopped."""
-        return None if self.is_stopped else Moments.of(self.scores)
+        return None if self.is_stopped else SampleMoments.of(self.scores)
 
     @property
-    def seconds(self) -> Moments | None:
+    def seconds(self) -> SampleMoments | None:
         """Mean and spread of the times; None if it was stopped."""
-        return None if self.is_stopped else Moments.of(self.times)
+        return None if self.is_stopped else SampleMoments.of(self.times)
 
 
 _FACTS = ("C", "gamma_factor", "n_bags", "n_positive", "n_instances", "n_features")
@@ -91,12 +91,12 @@ class Results:
         return self.by_cell.get((data_set, method))
 
 
-def mark(ours: Moments | None, other: Moments | None, *, is_cost: bool = False) -> str:
+def mark(ours: SampleMoments | None, other: SampleMoments | None, *, is_cost: bool = False) -> str:
     """Return the sign of a significant difference between covariant aggregation and another method.
 
     Parameters
     ----------
-    ours, other : Moments or None
+    ours, other : SampleMoments or None
         Of covariant aggregation and of the other method; None for one that was stopped.
     is_cost : bool
         Whether less is better.

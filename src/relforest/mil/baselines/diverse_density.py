@@ -42,11 +42,11 @@ class DiverseDensityClassifier(DensityClassifier):
 
     Attributes
     ----------
-    center_ : ndarray (d,)
+    centre_ : ndarray (d,)
         The point, in the units of the bags.
     scales_ : ndarray (d,)
         Scale of each feature, at least 0: an instance x is positive with a probability of
-        ``exp(-((scales_ * (x - center_)) ** 2).sum())``.
+        ``exp(-((scales_ * (x - centre_)) ** 2).sum())``.
     negative_log_density_ : float
         Negative logarithm of the diverse density, the probability of all training labels.
 

@@ -45,7 +45,7 @@ class EMDDClassifier(DensityClassifier):
 
     Attributes
     ----------
-    center_, scales_
+    centre_, scales_
         As in `DiverseDensityClassifier`.
     negative_log_density_ : float
         Negative logarithm of the diverse density of the witnesses.

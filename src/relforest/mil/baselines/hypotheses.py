@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 class DensityClassifier(InstanceClassifier, ABC):
     """A classifier by the hypothesis with the greatest density; `DiverseDensityClassifier` describes it."""
 
-    center_: NDArray[np.float64]
+    centre_: NDArray[np.float64]
     scales_: NDArray[np.float64]
     negative_log_density_: float
 
     def _keep(self, hypothesis: NDArray[np.float64], negative_log_density: float) -> None:
         """Set what was learned: a hypothesis (2, d) in the units of the bags."""
-        self.center_, self.scales_ = hypothesis
+        self.centre_, self.scales_ = hypothesis
         self.negative_log_density_ = negative_log_density
 
     def _squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Squared distances D^2 of points (n, d), shape (n,)."""
         squared = np.empty(len(points))
-        hypothesis = np.stack([self.center_, self.scales_])
+        hypothesis = np.stack([self.centre_, self.scales_])
         fill_squared_distances(np.ascontiguousarray(points.T), hypothesis, squared)
         return squared
 

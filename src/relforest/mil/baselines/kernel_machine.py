@@ -57,13 +57,13 @@ class KernelMachine:
     def scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of f for points (p, d), shape (p,); positive on the side of the positive class."""
         # Squared distances lose fewer digits near the origin.
-        center = self.vectors.mean(axis=0)
-        vectors = self.vectors - center
+        centre = self.vectors.mean(axis=0)
+        vectors = self.vectors - centre
         found = np.empty(len(points))
         step = max(1, _BLOCK // len(vectors))
         for first in range(0, len(points), step):
             block = slice(first, first + step)
-            found[block] = radial_kernel(points[block] - center, vectors, self.gamma) @ self.coefficients
+            found[block] = radial_kernel(points[block] - centre, vectors, self.gamma) @ self.coefficients
         found += self.intercept
         return found
 
@@ -94,21 +94,21 @@ class KernelProblem:
     ) -> None:
         self._points = points.copy()
         # Squared distances lose fewer digits near the origin.
-        self._center = points.mean(axis=0)
-        self._centered = points - self._center
+        self._centre = points.mean(axis=0)
+        self._centred = points - self._centre
         self._gamma = gamma
         self._settings = {"C": C, "tol": tol, "max_iter": max_iter, "cache_size": _CACHE_SIZE}
         self._kernel: NDArray[np.float64] | None = None
         if len(points) <= MOST_STORED_POINTS:
-            self._kernel = radial_kernel(self._centered, self._centered, gamma)
+            self._kernel = radial_kernel(self._centred, self._centred, gamma)
 
     def replace_last(self, points: NDArray[np.float64]) -> None:
         """Replace the last k points by others, shape (k, d)."""
         first = len(self._points) - len(points)
         self._points[first:] = points
-        self._centered[first:] = points - self._center
+        self._centred[first:] = points - self._centre
         if self._kernel is not None:
-            columns = radial_kernel(self._centered, self._centered[first:], self._gamma)
+            columns = radial_kernel(self._centred, self._centred[first:], self._gamma)
             self._kernel[:, first:] = columns
             self._kernel[first:] = columns.T
 
@@ -118,7 +118,7 @@ class KernelProblem:
         # `sklearn.svm.SVC` would change warning filters and NumPy's global random state for all threads.
         _libsvm.set_verbosity_wrap(0)
         rows, _, _, coefficients, threshold, *_, status, _ = _libsvm.fit(
-            self._kernel if stored else self._centered,
+            self._kernel if stored else self._centred,
             positive.astype(np.float64),
             svm_type=_C_SVC,
             kernel="precomputed" if stored else "rbf",

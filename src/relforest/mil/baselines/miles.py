@@ -151,8 +151,8 @@ def embed(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[
         Coefficient of squared distances.
     """
     # Squared distances lose fewer digits near the origin.
-    center = prototypes.mean(axis=0)
-    points, prototypes = bags.points - center, prototypes - center
+    centre = prototypes.mean(axis=0)
+    points, prototypes = bags.points - centre, prototypes - centre
     values = np.empty((len(bags), len(prototypes)))
     step = max(1, _BLOCK // len(points))
     for first in range(0, len(prototypes), step):

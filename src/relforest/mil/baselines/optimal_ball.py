@@ -34,10 +34,10 @@ class OptimalBallClassifier(InstanceClassifier):
 
     Attributes
     ----------
-    center_ : ndarray (d,)
+    centre_ : ndarray (d,)
         The centre, in the units of the bags.
     scales_ : ndarray (d,)
-        Scales of distances: the distance of x is ``np.linalg.norm(scales_ * (x - center_))``. All 1 without
+        Scales of distances: the distance of x is ``np.linalg.norm(scales_ * (x - centre_))``. All 1 without
         normalisation; with it, 1 / range, and 0 for features that are constant in training.
     radius_ : float
         Largest distance of a point inside.
@@ -66,7 +66,7 @@ class OptimalBallClassifier(InstanceClassifier):
     array([1, 0])
     """
 
-    center_: NDArray[np.float64]
+    centre_: NDArray[np.float64]
     scales_: NDArray[np.float64]
     radius_: float
 
@@ -87,11 +87,11 @@ class OptimalBallClassifier(InstanceClassifier):
             right, width, place = widest_best_ball(nearest, positive)
             if (right, width) > (most, radius):
                 most, radius, best = right, width, first + place
-        self.center_, self.scales_, self.radius_ = candidates[best], scales, radius
+        self.centre_, self.scales_, self.radius_ = candidates[best], scales, radius
 
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Radius minus distance from the centre."""
-        distances: NDArray[np.float64] = np.linalg.norm(self.scales_ * (points - self.center_), axis=1)
+        distances: NDArray[np.float64] = np.linalg.norm(self.scales_ * (points - self.centre_), axis=1)
         return self.radius_ - distances
 
 

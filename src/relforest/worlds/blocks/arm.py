@@ -96,13 +96,13 @@ class Arm:
         """Hold the block near its centre."""
         noise, rng = self._handling.noise.grasp, self._sim.rng
 
-        def near_center() -> Point:
+        def near_centre() -> Point:
             angle = self._sim.pose(self._block)[2]
             x, y = spread(rng, noise)
             cosine, sine = math.cos(angle), math.sin(angle)
             return cosine * x + sine * y, cosine * y - sine * x
 
-        self._grasp(near_center)
+        self._grasp(near_centre)
 
     def grasp_to_turn(self) -> None:
         """Hold the block near an end of its more horizontal axis, so that it swings when it is lifted.

@@ -71,7 +71,7 @@ def _numbers(name: str, values: object, n: int) -> tuple[Any, ...]:
 
 
 def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tuple[Block, ...]:
-    """Draw blocks of all sizes and colours.
+    """Draw blocks of all sizes and colors.
 
     Parameters
     ----------
@@ -84,8 +84,8 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
 
     Notes
     -----
-    Half extents are uniform between `SMALLEST_HALF` and `LARGEST_HALF`. Colours are uniform in hue,
-    saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale colours
+    Half extents are uniform between `SMALLEST_HALF` and `LARGEST_HALF`. Colors are uniform in hue,
+    saturation and brightness and quantised to 8 bits, as in the author's simulator, so dark and pale colors
     are frequent.
     """
     rng, start = checked_generator(rng), between("first_id", first_id, 0, LARGEST_ID - MOST_DRAWN)
@@ -96,7 +96,7 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
 
 
 def arch_blocks(rng: np.random.Generator, n: int = 3, *, first_id: int = 0) -> tuple[Block, ...]:
-    """Draw blocks of the arch task: all of size `ARCH_HALF_EXTENTS`, in random colours.
+    """Draw blocks of the arch task: all of size `ARCH_HALF_EXTENTS`, in random colors.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ class Box(NamedTuple):
 
     body: Any  # of Box2D
     half_extents: tuple[float, float]
-    center: memoryview[float]  # x, y
+    centre: memoryview[float]  # x, y
     velocity: memoryview[float]  # x, y and spin, per second of the physics
     rotation: memoryview[float]  # sine and cosine of the angle
 
@@ -26,7 +26,7 @@ class Box(NamedTuple):
         width, height = self.half_extents
         sine, cosine = abs(self.rotation[0]), abs(self.rotation[1])
         across, up = cosine * width + sine * height, sine * width + cosine * height
-        x, y = self.center
+        x, y = self.centre
         return x - across, x + across, y - up, y + up
 
     def is_moving(self, speed: float, spin: float) -> bool:

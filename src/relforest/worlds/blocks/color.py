@@ -1,4 +1,4 @@
-"""How different two colours look: sRGB to CIE Lab, and the CIEDE2000 colour difference.
+"""How different two colors look: sRGB to CIE Lab, and the CIEDE2000 color difference.
 
 References
 ----------
@@ -25,7 +25,7 @@ _Floats = NDArray[np.float64]
 
 
 def srgb_to_lab(colors: ArrayLike) -> _Floats:
-    """Return the CIE Lab coordinates of sRGB colours under daylight (D65, 2 degree observer).
+    """Return the CIE Lab coordinates of sRGB colors under daylight (D65, 2 degree observer).
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def srgb_to_lab(colors: ArrayLike) -> _Floats:
 
 
 def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
-    """Return the CIEDE2000 difference of colours given as CIE Lab, with all weights 1.
+    """Return the CIEDE2000 difference of colors given as CIE Lab, with all weights 1.
 
     Parameters
     ----------
@@ -83,13 +83,13 @@ def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
     turn = math.radians(60.0) * np.exp(-(((np.degrees(mean_h) - 275.0) / 25.0) ** 2))
     rotation = -np.sin(turn) * 2.0 * _strength(mean_C)
     squared = lightness**2 + chroma**2 + hue**2 + rotation * chroma * hue
-    # Rounding may take the difference of equal colours below 0.
+    # Rounding may take the difference of equal colors below 0.
     difference: _Floats = np.sqrt(np.maximum(squared, 0.0))
     return difference
 
 
 def _strength(chroma: _Floats) -> _Floats:
-    """Return how colourful a chroma is, from 0 for grey to 1."""
+    """Return how colorful a chroma is, from 0 for grey to 1."""
     power = chroma**7
     share: _Floats = np.sqrt(power / (power + _CHROMA_KNEE))
     return share

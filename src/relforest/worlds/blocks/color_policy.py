@@ -1,4 +1,4 @@
-"""The hand-made policy of the colour grouping task."""
+"""The hand-made policy of the color grouping task."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _RGB: Final = COLOR_DISTANCES["rgb"]
 class ColorPolicy:
     """Isolate what does not match its group, then put isolated blocks into the group they match best.
 
-    It uses the groups as they are scored, but always compares colours in RGB, whichever distance the reward
+    It uses the groups as they are scored, but always compares colors in RGB, whichever distance the reward
     uses: a block matches a group if it is within 0.5 of the group's prototype.
 
     Notes
@@ -55,15 +55,15 @@ class ColorPolicy:
 def _improvement(decision: Decision) -> int | None:
     """Return the position of an action that improves the groups, or None."""
     box, rgb, groups = _groups(decision)
-    center = rgb[[_prototype(rgb, group) for group in groups]]
+    centre = rgb[[_prototype(rgb, group) for group in groups]]
     own = np.empty(len(rgb), dtype=np.int64)
     for number, group in enumerate(groups):
         own[group] = number
-    apart = _RGB.difference(rgb, center[own])
+    apart = _RGB.difference(rgb, centre[own])
     if apart.max() > _RGB.middle:
         return position_of(decision, _ISOLATE, int(np.argmax(apart)))
     singles = _singles(groups)
-    distances = _RGB.difference(rgb[singles, np.newaxis], center[np.newaxis])
+    distances = _RGB.difference(rgb[singles, np.newaxis], centre[np.newaxis])
     distances[np.arange(len(singles)), own[singles]] = np.inf
     if distances.min(initial=np.inf) > _RGB.middle:
         return None
@@ -93,7 +93,7 @@ def _least_change(decision: Decision) -> int:
 def _groups(
     decision: Decision,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[NDArray[np.int64]]]:
-    """Return bounding boxes (n, 4), colours (n, 3), and the members of each stack."""
+    """Return bounding boxes (n, 4), colors (n, 3), and the members of each stack."""
     box = bounds(decision.objects)
     labels = stacks(locations(decision.objects)[:, 0], box)
     return box, colors(decision.objects), [np.flatnonzero(labels == label) for label in np.unique(labels)]

@@ -183,7 +183,7 @@ class Engine:
             return self._released
         box, (x, y) = self._boxes[self._grip.key], self._grip.point
         sine, cosine = box.rotation
-        return box.center[0] + cosine * x - sine * y, box.center[1] + sine * x + cosine * y
+        return box.centre[0] + cosine * x - sine * y, box.centre[1] + sine * x + cosine * y
 
     @_remembered
     def add_box(
@@ -236,7 +236,7 @@ class Engine:
 
     def poses(self) -> NDArray[np.float64]:
         """Return (n, 3): x, y and angle of each box (radians, not wrapped), in the order of `keys`."""
-        rows = [(*box.center, box.body.angle) for box in self._boxes.values()]
+        rows = [(*box.centre, box.body.angle) for box in self._boxes.values()]
         return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
     def velocities(self) -> NDArray[np.float64]:
@@ -258,7 +258,7 @@ class Engine:
             If the box does not exist.
         """
         box = self._box(key)
-        return box.center[0], box.center[1], box.body.angle
+        return box.centre[0], box.centre[1], box.body.angle
 
     def is_resting(self, *, speed: float = REST_SPEED, spin: float = REST_SPIN) -> bool:
         """Return whether all boxes are slower than both: units and radians per second of the physics."""
@@ -403,7 +403,7 @@ class Engine:
 
     def _carry_burst(self, grip: _Grip, x: float, y: float, steps: int) -> tuple[int, bool]:
         step, box = self._step, self._boxes[grip.key]
-        center, velocity, rotation = box.center, box.velocity, box.rotation
+        centre, velocity, rotation = box.centre, box.velocity, box.rotation
         (point_x, point_y), main = grip.point, grip.main
         (left, left_x, left_y), (right, right_x, right_y) = grip.supports
         left_x, left_y, right_x, right_y = x + left_x, y + left_y, x + right_x, y + right_y
@@ -422,8 +422,8 @@ class Engine:
             right[0] = right_x + turned_x
             right[1] = right_y + turned_y
             step(dt, iterations, iterations)
-            if low < center[0] < high:
-                miss_x, miss_y = center[0] - x, center[1] - y
+            if low < centre[0] < high:
+                miss_x, miss_y = centre[0] - x, centre[1] - y
                 speed_x, speed_y = velocity[0], velocity[1]
                 if (
                     miss_x * miss_x + miss_y * miss_y < ARRIVED * ARRIVED
@@ -450,7 +450,7 @@ class Engine:
         """Remove the boxes that are lost, and compute for how many steps no other box can be lost."""
         room = self._edge
         for key, box in tuple(self._boxes.items()):
-            x, y = box.center
+            x, y = box.centre
             if y > 0:
                 # Above the table a box stays above it until its centre has passed the edge.
                 if abs(x) > self._edge - room:

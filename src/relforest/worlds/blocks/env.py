@@ -25,7 +25,7 @@ from relforest.worlds.blocks.frames import (
     target_of,
 )
 from relforest.worlds.blocks.handling import Handling
-from relforest.worlds.blocks.moment import Moment, Watcher, observation_space
+from relforest.worlds.blocks.moment import Moment, Observer, observation_space
 from relforest.worlds.blocks.options import OptionResult
 from relforest.worlds.blocks.policies import POLICIES
 from relforest.worlds.blocks.scene import SCHEMA, locations
@@ -135,7 +135,7 @@ class BlocksEnv(WorldEnv):
         if not isinstance(handling, Handling):
             raise InputError(f"handling must be a Handling, such as Handling(), got {handling!r}")
         self._handling = handling
-        self._watcher = Watcher(task, self.n_blocks)
+        self._watcher = Observer(task, self.n_blocks)
         self.observation_space = observation_space(self._watcher.n_slots)
         self.action_space = spaces.Discrete(self._watcher.n_actions)
         self._simulation: BlocksSimulation
@@ -337,12 +337,12 @@ def color_grouping_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the task of stacking blocks of similar colours: the reward is the change in the score.
+    """Return the task of stacking blocks of similar colors: the reward is the change in the score.
 
     Parameters
     ----------
     distance : {"ciede2000", "rgb"}
-        How colours are compared.
+        How colors are compared.
     sides : pair of float
         Smallest and largest side of a block, from 0.02 to 10.
     render_mode, n_blocks, max_actions, handling

@@ -1,4 +1,4 @@
-"""What there is to see of the blocks world, from the side: the table, the blocks in their colours, the robot.
+"""What there is to see of the blocks world, from the side: the table, the blocks in their colors, the robot.
 
 A frame marks the block that an option takes, a dashed one the block that it is put on, and a dashed line
 where a block is moved to. A ring is where the robot holds a block. What a score is based on is green.
@@ -30,7 +30,7 @@ COLORS: Final = {
 }
 SCORE_NAMES: Final = {
     "high-towers": "mean height",
-    "color-grouping": "colour score",
+    "color-grouping": "color score",
     "arch": "area of the arch",
 }
 """Name of a task -> what its score is."""
@@ -162,7 +162,7 @@ def target_of(command: Command) -> tuple[Shape, ...]:
 
 
 def option_words(command: Command, colors: Mapping[int, Sequence[float]]) -> Words:
-    """Return an option in words, such as "put 3 on 1", with the blocks, id -> colour, in their colours."""
+    """Return an option in words, such as "put 3 on 1", with the blocks, id -> color, in their colors."""
     words: list[str | Chip] = [command.name]
     for argument, block in enumerate(_blocks_of(command)):
         words += [" on " if argument else " ", Chip(str(block), _hex(tuple(colors[block])))]

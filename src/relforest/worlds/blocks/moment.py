@@ -65,7 +65,7 @@ class Moment:
 
 
 @final
-class Watcher:
+class Observer:
     """Turns successive states of a task into moments.
 
     It caches everything that stays the same until a block is lost.

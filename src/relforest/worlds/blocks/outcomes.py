@@ -65,7 +65,7 @@ def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, in
 
 
 def random_colors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    """Return (n, 3) colours, drawn like those of all blocks."""
+    """Return (n, 3) colors, drawn like those of all blocks."""
     return np.array([block.color for block in arch_blocks(rng, n)])
 
 

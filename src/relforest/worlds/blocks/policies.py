@@ -141,7 +141,7 @@ def make_policy(name: str, world: BlocksWorld) -> Policy:
     Parameters
     ----------
     name : str
-        ``"random"``, or ``"large-first"`` and ``"small-first"`` for high towers, ``"manual"`` for colour
+        ``"random"``, or ``"large-first"`` and ``"small-first"`` for high towers, ``"manual"`` for color
         grouping, ``"careful"`` and ``"trainer"`` for the arch.
     world : BlocksWorld
         The ``unwrapped`` environment that the policy will act in.

@@ -113,7 +113,7 @@ def extents(objects: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def colors(objects: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the colours of objects: a view (n, 3) of (n, 8)."""
+    """Return the colors of objects: a view (n, 3) of (n, 8)."""
     return objects[:, _COLOR]
 
 

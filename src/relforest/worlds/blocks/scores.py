@@ -1,4 +1,4 @@
-"""The scores of the tasks with shaping rewards: mean height, and how well groups match in colour.
+"""The scores of the tasks with shaping rewards: mean height, and how well groups match in color.
 
 References
 ----------
@@ -28,12 +28,12 @@ _Floats = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class ColorDistance:
-    """A way to compare colours, with the thresholds of the score.
+    """A way to compare colors, with the thresholds of the score.
 
     Parameters
     ----------
     coordinates : callable
-        Maps RGB colours (n, 3) to the space that means are taken in.
+        Maps RGB colors (n, 3) to the space that means are taken in.
     difference : callable
         Distances (...) between points (..., 3) of that space.
     middle : float
@@ -64,11 +64,11 @@ COLOR_DISTANCES: Final[Mapping[str, ColorDistance]] = MappingProxyType(
         "rgb": ColorDistance(_identity, _euclidean, 0.5, math.sqrt(3.0)),
     }
 )
-"""Name of a colour distance -> how it is computed and scored."""
+"""Name of a color distance -> how it is computed and scored."""
 
 
 def color_distance(name: str) -> ColorDistance:
-    """Return the colour distance of that name, or raise `InputError` with the known names."""
+    """Return the color distance of that name, or raise `InputError` with the known names."""
     return COLOR_DISTANCES[one_of("distance", name, tuple(COLOR_DISTANCES))]
 
 
@@ -81,7 +81,7 @@ def mean_height(state: BlocksState) -> float:
 
 
 def grouping_score(state: BlocksState, distance: ColorDistance) -> float:
-    """Return how well the blocks are grouped by colour: the sum of the scores of all stacks.
+    """Return how well the blocks are grouped by color: the sum of the scores of all stacks.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def grouping_score(state: BlocksState, distance: ColorDistance) -> float:
     points, apart = _palette(distance, state.colors.tobytes())
     members, labels, points = np.flatnonzero(in_stacks), labels[in_stacks], points[in_stacks]
     to_mean = distance.difference(points, _means(points, labels))
-    # All stacks at once, because a difference costs about as much for one colour as for ten.
+    # All stacks at once, because a difference costs about as much for one color as for ten.
     order = np.lexsort((to_mean, labels))
     is_first = np.append(True, labels[order][1:] != labels[order][:-1])
     prototypes = order[is_first][np.cumsum(is_first) - 1]
@@ -109,10 +109,10 @@ def grouping_score(state: BlocksState, distance: ColorDistance) -> float:
     return float(scores[~is_first].sum())
 
 
-# Colours stay the same during an episode.
+# Colors stay the same during an episode.
 @lru_cache(maxsize=4)
 def _palette(distance: ColorDistance, colors: bytes) -> tuple[_Floats, _Floats]:
-    """Return RGB colours, given as bytes, in the space of a distance (n, 3), and their distances (n, n)."""
+    """Return RGB colors, given as bytes, in the space of a distance (n, 3), and their distances (n, n)."""
     points = distance.coordinates(np.frombuffer(colors).reshape(-1, 3))
     return points, distance.difference(points[:, np.newaxis], points[np.newaxis])
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the stack that each block belongs to, as the colour score counts stacks.
+    """Return the stack that each block belongs to, as the color score counts stacks.
 
     Two blocks are linked if the midpoint of one lies between the horizontal extrema of the other, whichever
     it is, whether or not they touch; stacks are what links connect. That links work both ways and heights do

@@ -131,17 +131,17 @@ def _bounds(state: BlocksState) -> NDArray[np.float64]:
     return bounds
 
 
-def boxes(centers: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
+def boxes(centres: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the boxes with these centres and reaches, (n, 4): min x, max x, min y, max y.
 
     Parameters
     ----------
-    centers, reach : (n, 2) float64
+    centres, reach : (n, 2) float64
         Along x and y.
     """
-    bounds = np.empty((len(centers), 4))
-    bounds[:, 0::2] = centers - reach
-    bounds[:, 1::2] = centers + reach
+    bounds = np.empty((len(centres), 4))
+    bounds[:, 0::2] = centres - reach
+    bounds[:, 1::2] = centres + reach
     return bounds
 
 

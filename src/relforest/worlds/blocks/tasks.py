@@ -34,7 +34,7 @@ from relforest.worlds.blocks.scores import color_distance, grouping_score, mean_
 from relforest.worlds.blocks.state import BlocksState
 
 MAX_ACTIONS: Final = 5
-"""Actions of an episode. The source gives 5 for high towers and arches; for colour grouping it only mentions
+"""Actions of an episode. The source gives 5 for high towers and arches; for color grouping it only mentions
 "the final action of the episode", which is interpreted as 5 too."""
 
 MOST_ACTIONS: Final = 1000
@@ -147,12 +147,12 @@ def high_towers(sides: tuple[float, float] = SIDES) -> Task:
 
 
 def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SIDES) -> Task:
-    """Return the task of stacking blocks of similar colours.
+    """Return the task of stacking blocks of similar colors.
 
     Parameters
     ----------
     distance : {"ciede2000", "rgb"}
-        How colours are compared.
+        How colors are compared.
     sides : pair of float
         Smallest and largest side of a block, from 0.02 to 10.
 

@@ -125,7 +125,7 @@ def game_frame(batch: Batch, g: int, choice: tuple[int, int] | None = None) -> F
 
 
 def player_chip(player: int, keepers: int) -> Chip:
-    """Return the name of a player: its number within its team, on the colour of the team."""
+    """Return the name of a player: its number within its team, on the color of the team."""
     return Chip(str(player + 1), "keeper") if player < keepers else Chip(str(player - keepers + 1), "taker")
 
 

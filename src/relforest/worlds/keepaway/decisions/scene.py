@@ -1,6 +1,6 @@
 """What a relational learner sees of keepaway: the players and the available actions.
 
-The objects are the players, keepers first: where they are, where they face, and the colour of their team. The
+The objects are the players, keepers first: where they are, where they face, and the color of their team. The
 ball is not an object; the player that has it is the holder in every action.
 
 References
@@ -47,7 +47,7 @@ def describe(players: NDArray[np.float64], out: NDArray[np.float64]) -> None:
     players : (n, 5) float64
         x, y, vx, vy in metres and metres per cycle, body direction in degrees.
     out : (n, 6) float64
-        Objects of a scene; the columns of the colour are left alone.
+        Objects of a scene; the columns of the color are left alone.
     """
     for i in range(len(players)):
         out[i, 0] = players[i, X]
@@ -58,7 +58,7 @@ def describe(players: NDArray[np.float64], out: NDArray[np.float64]) -> None:
 
 
 def objects(keepers: int, takers: int) -> NDArray[np.float64]:
-    """Return the objects of a scene, (n, 6), with everything 0 but the colours of the teams."""
+    """Return the objects of a scene, (n, 6), with everything 0 but the colors of the teams."""
     matrix = np.zeros((keepers + takers, SCHEMA.width))
     matrix[:keepers, _COLUMNS["color"]], matrix[keepers:, _COLUMNS["color"]] = KEEPER_COLOR, TAKER_COLOR
     return matrix
