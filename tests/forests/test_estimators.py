@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
 from sklearn.model_selection import cross_val_score
 
 from forest_scenes import TEAM
@@ -53,6 +54,12 @@ def test_classifiers_find_a_relation(model: Any) -> None:
     assert ((probabilities >= 0) & (probabilities <= 1)).all()
     assert "team guest" in model.describe()
     assert "identity(team) of C" in " ".join(each.question for each in model.importances())
+
+
+@pytest.mark.parametrize("model", CLASSIFIERS + REGRESSORS, ids=lambda model: type(model).__name__)
+def test_what_is_not_fitted_says_so(model: Any) -> None:
+    with pytest.raises(NotFittedError):
+        clone(model).predict(scenes_of(np.random.default_rng(0), 2))
 
 
 @compiled_only

@@ -115,7 +115,8 @@ class SceneClassifier(ClassifierMixin, SceneEstimator, ABC):  # type: ignore[mis
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Most probable class of each scene, (n_scenes,)."""
-        predicted: NDArray[Any] = self.classes_[self.predict_proba(scenes).argmax(axis=1)]
+        probabilities = self.predict_proba(scenes)
+        predicted: NDArray[Any] = self.classes_[probabilities.argmax(axis=1)]
         return predicted
 
     def _shares(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
