@@ -8,10 +8,13 @@ from relforest.support.errors import InputError
 
 
 def test_attributes_are_read_from_their_short_form() -> None:
-    assert parse_attributes(["location=x, y", "heading=theta:angle", "orientation=o", "h=h:euclidean"]) == {
+    assert parse_attributes(
+        ["location=x, y", "heading=theta:angle", "orientation=o", "h=h:euclidean", "at=u,v:location"]
+    ) == {
         Attribute("location", 2): ("x", "y"),
         Attribute("heading", 1, "angle"): ("theta",),
         Attribute("orientation", 1, "angle"): ("o",),
+        Attribute("at", 2, role="location"): ("u", "v"),
         Attribute("h", 1, "euclidean"): ("h",),
     }
 
@@ -23,7 +26,7 @@ def test_other_forms_are_refused(text: str) -> None:
 
 
 def test_impossible_kinds_are_refused() -> None:
-    with pytest.raises(InputError, match="unknown kind 'degrees': write one of euclidean, angle"):
+    with pytest.raises(InputError, match="unknown kind or role 'degrees': write one of euclidean, angle"):
         parse_attributes(["theta=t:degrees"])
     with pytest.raises(InputError, match="angle with dim 2"):
         parse_attributes(["theta=s,c:angle"])

@@ -41,10 +41,12 @@ def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:
     if not name.strip() or not equals or not columns or not all(columns):
         raise InputError(
             f"--attribute {text!r} is not understood: write NAME=COLUMN or NAME=COLUMN,COLUMN and so on, "
-            "such as location=x,y, with :angle at the end for an angle in radians, :category for names"
+            "such as location=x,y, with :angle at the end for an angle in radians, :category for names, "
+            ":location for where objects are"
         )
-    if colon and kind not in KINDS:
-        raise InputError(
-            f"--attribute {text!r} has the unknown kind {kind!r}: write one of {', '.join(KINDS)}"
-        )
+    if colon and kind not in (*KINDS, *ROLES):
+        known = ", ".join((*KINDS, *ROLES))
+        raise InputError(f"--attribute {text!r} has the unknown kind or role {kind!r}: write one of {known}")
+    if kind in ROLES:
+        return Attribute(name.strip(), len(columns), role=kind), columns
     return Attribute(name.strip(), len(columns), kind or None), columns

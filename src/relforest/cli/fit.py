@@ -76,7 +76,8 @@ class FitOptions:
         Column of object ids. By default, objects are numbered within their scene.
     attribute
         An attribute of the objects and its columns, one per component. Append ":angle" for an angle in
-        radians; this is the default for the name "orientation". Append ":category" for names, such as a team.
+        radians; this is the default for the name "orientation". Append ":category" for names, such as a team,
+        or ":location" for where objects are if the name is not "location".
     arguments
         Columns with the id of the object bound to each argument of the action, the same in all rows of a
         scene.
