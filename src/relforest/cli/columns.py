@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from relforest.scenes import Attribute
-from relforest.scenes.schema import KINDS
+from relforest.scenes.schema import KINDS, ROLES
 from relforest.support.errors import InputError
 
 
