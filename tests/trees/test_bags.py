@@ -1,4 +1,4 @@
-"""Bags hold the defined points scene by scene, and differ if their sets do."""
+"""The compiled mapping of bags against `Mapping.evaluate`, and whether bags differ against sets."""
 
 from __future__ import annotations
 

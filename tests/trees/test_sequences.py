@@ -114,10 +114,11 @@ def test_distinct_is_the_set_of_tuples_per_scene(scenes: Scenes, depth: int, dat
     assert [scene for scene, *_ in found] == sorted(scene for scene, *_ in found)
 
 
-def test_distinct_tuples_are_in_order() -> None:
+@pytest.mark.parametrize("largest", [3, 5000])
+def test_distinct_tuples_are_in_order_whether_tabulated_or_sorted(largest: int) -> None:
     rng = np.random.default_rng(0)
     scene = np.sort(rng.integers(4, size=40))
-    objects = rng.choice([-1, 0, 1, 5000], size=(40, 3))
+    objects = rng.choice([-1, 0, 1, largest], size=(40, 3))
     found = pairs(Sequences(scene, objects).distinct((2, 0)))
 
     rows = zip(scene.tolist(), objects[:, 2].tolist(), objects[:, 0].tolist(), strict=True)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.trees.sequences import rows_of
+from relforest.mappings.kernels import map_point
+from relforest.support.jit import kernel
+from relforest.trees.kernels import row_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,17 +28,74 @@ class Bags(NamedTuple):
     @property
     def differ(self) -> bool:
         """Whether a volume can hold a point of one bag and none of another: whether their sets differ."""
-        bags = pairwise(self.starts.tolist())
-        sets = (set(map(tuple, self.points[begin:end].tolist())) for begin, end in bags)
-        first = next(sets, set())
-        return any(other != first for other in sets)
+        return _differ(self.points, self.starts)
 
 
 def bags_of(scenes: Scenes, asked: Sequences, mapping: Mapping) -> Bags:
     """Map tuples of objects, as many in each as the mapping takes."""
-    points = mapping.evaluate(scenes.schema, scenes.matrix, rows_of(scenes, asked))
-    # An overflow is no point either.
-    defined = np.isfinite(points).all(axis=1)
-    scene = asked.scene[defined]
-    first = np.flatnonzero(np.diff(scene, prepend=-1))
-    return Bags(points[defined], np.append(first, len(scene)), scene[first])
+    span = (scenes.schema.offset(mapping.attribute.name), mapping.attribute.dim)
+    rule = (mapping.rule.code, mapping.space == "circle", mapping.dim)
+    return _map((scenes.rows, scenes.starts, scenes.matrix), (asked.scene, asked.objects), rule, span)
+
+
+@kernel
+def _map(
+    scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
+    asked: tuple[NDArray[np.int64], NDArray[np.int64]],
+    rule: tuple[int, bool, int],
+    span: tuple[int, int],
+) -> Bags:
+    object_rows, scene_starts, matrix = scenes
+    scene, objects = asked
+    operation, circular, dim = rule
+    n, arity = objects.shape
+    points = np.empty((n, dim))
+    starts = np.empty(n + 1, dtype=np.int64)
+    bag_scenes = np.empty(n, dtype=np.int64)
+    n_points, n_bags = 0, 0
+    for i in range(n):
+        begin = scene_starts[scene[i]]
+        found = (
+            row_at(object_rows, begin, objects[i, 0]),
+            row_at(object_rows, begin, objects[i, 1]) if arity > 1 else -1,
+            row_at(object_rows, begin, objects[i, 2]) if arity > 2 else -1,
+        )
+        if not map_point(operation, circular, span, matrix, found, points, n_points):
+            continue
+        total = 0.0
+        for j in range(dim):
+            total += abs(points[n_points, j])
+        if total == np.inf:  # an overflow is no point either
+            continue
+        if n_bags == 0 or bag_scenes[n_bags - 1] != scene[i]:
+            bag_scenes[n_bags], starts[n_bags] = scene[i], n_points
+            n_bags += 1
+        n_points += 1
+    starts[n_bags] = n_points
+    return Bags(points[:n_points].copy(), starts[: n_bags + 1].copy(), bag_scenes[:n_bags].copy())
+
+
+@kernel
+def _differ(points: NDArray[np.float64], starts: NDArray[np.int64]) -> bool:
+    for bag in range(1, len(starts) - 1):
+        first, other = points[: starts[1]], points[starts[bag] : starts[bag + 1]]
+        if not (_within(other, first) and _within(first, other)):
+            return True
+    return False
+
+
+@kernel
+def _within(some: NDArray[np.float64], others: NDArray[np.float64]) -> bool:
+    """Whether every row of `some` is a row of `others`."""
+    for i in range(len(some)):
+        found = False
+        for j in range(len(others)):
+            equal = True
+            for k in range(some.shape[1]):
+                equal &= some[i, k] == others[j, k]
+            found |= equal
+            if found:
+                break
+        if not found:
+            return False
+    return True

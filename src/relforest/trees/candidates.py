@@ -14,7 +14,7 @@ from relforest.trees.kernels import ERROR, NO, YES, answer_tuples
 from relforest.trees.nodes import Leaf, Question
 from relforest.trees.packing import pack_question
 from relforest.trees.probabilities import Assignment
-from relforest.trees.sequences import Sequences, n_extensions, rows_of
+from relforest.trees.sequences import Sequences, n_extensions
 from relforest.trees.significance import added_parameters, likelihood_ratio_p
 from relforest.trees.structure import MAX_VARIABLES
 
@@ -115,26 +115,25 @@ class PreparedQuestion:
 
     def presence(self, volume: Volume) -> NDArray[np.bool_]:
         """Which scenes would arrive at the Yes, No and Error leaf, (3, n_scenes), by these sequences."""
-        answers = self._answers(volume, self.asked)
-        present = np.zeros((3, len(self.scenes)), dtype=np.bool_)
-        present[answers, self.asked.scene] = True
-        return present
+        return self._answered(volume, self.asked)[1]
 
     def partition(self, volume: Volume) -> tuple[Sequences, Sequences, Sequences]:
         """The sequences that go to the Yes, No and Error leaf."""
         objects = self.sequences.objects.take(self.expansion.variables, axis=1)
-        answers = self._answers(volume, Sequences(self.sequences.scene, objects))
+        answers, _ = self._answered(volume, Sequences(self.sequences.scene, objects))
         yes, no, error = (self.sequences.where(answers == answer) for answer in (YES, NO, ERROR))
         return yes, no, error
 
-    def _answers(self, volume: Volume, asked: Sequences) -> NDArray[np.int8]:
-        """Return the answer to each tuple."""
+    def _answered(self, volume: Volume, asked: Sequences) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+        """Return the answer to each tuple, and which answers every scene has, (3, n_scenes)."""
         mapping, scenes = self.expansion.mapping, self.scenes
         question = Question(mapping, tuple(range(mapping.arity)), volume, 0, 0, 0)
         nodes, numbers = pack_question(scenes.schema, question)
         answers = np.empty(len(asked), dtype=np.int8)
-        answer_tuples(nodes, numbers, scenes.matrix, rows_of(scenes, asked), answers)
-        return answers
+        present = np.zeros((3, len(scenes)), dtype=np.bool_)
+        parts = (scenes.rows, scenes.starts, scenes.matrix)
+        answer_tuples(nodes, numbers, parts, (asked.scene, asked.objects), answers, present)
+        return answers, present
 
 
 @final

@@ -317,17 +317,37 @@ def query_batch(
     return len(starts)
 
 
+@inlined
+def row_at(rows: NDArray[np.int64], begin: int, place: int) -> int:
+    """Return the row of the object at a place of the scene whose objects begin there; -1 = none."""
+    return int(rows[begin + place]) if place >= 0 else -1
+
+
 @kernel
 def answer_tuples(
     nodes: NDArray[np.int64],
     numbers: NDArray[np.float64],
-    matrix: NDArray[np.float64],
-    rows: NDArray[np.int64],
+    scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
+    asked: tuple[NDArray[np.int64], NDArray[np.int64]],
     answers: NDArray[np.int8],
+    present: NDArray[np.bool_],
 ) -> None:
-    """Write the answers (n,) to the first of the packed `nodes` for tuples of object rows (n, arity)."""
+    """Answer the question in the first of the packed `nodes` for tuples of objects.
+
+    `scenes` are the arrays (rows, starts, matrix) of `Scenes`; `asked` says the scene (n,) of each tuple and
+    the places (n, arity) of its objects, -1 = none. `answers` (n,) receives the answers, and what is true in
+    `present` (3, n_scenes) after it which answers a scene has.
+    """
+    rows, starts, matrix = scenes
+    scene, objects = asked
     point = np.empty((1, nodes[0, DIM]))
-    arity = rows.shape[1]
-    for i in range(len(rows)):
-        found = (rows[i, 0], rows[i, 1] if arity > 1 else -1, rows[i, 2] if arity > 2 else -1)
+    arity = objects.shape[1]
+    for i in range(len(scene)):
+        begin = starts[scene[i]]
+        found = (
+            row_at(rows, begin, objects[i, 0]),
+            row_at(rows, begin, objects[i, 1]) if arity > 1 else -1,
+            row_at(rows, begin, objects[i, 2]) if arity > 2 else -1,
+        )
         answers[i] = ask(nodes, 0, numbers, matrix, found, point, 0)[0]
+        present[answers[i], scene[i]] = True

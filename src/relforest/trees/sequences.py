@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
+
+
+# A table of so many times as many numbers as there are sequences is still faster than sorting them.
+_TABLE: Final = 64
 
 
 @final
@@ -97,13 +101,12 @@ class Sequences:
 
     def distinct(self, variables: tuple[int, ...]) -> Sequences:
         """Return the distinct tuples of `variables` in each scene, in order of position."""
-        objects = self.objects.take(variables, axis=1)
         if len(variables) == self.depth:
-            return Sequences(self.scene, objects)
-        objects = objects[np.lexsort((*objects.T[::-1], self.scene))]
-        is_new = np.diff(self.scene, prepend=-1) > 0
-        is_new[1:] |= (objects[1:] != objects[:-1]).any(axis=1)
-        return Sequences(self.scene[is_new], objects[is_new])
+            return Sequences(self.scene, self.objects.take(variables, axis=1))
+        scene = np.empty(len(self), dtype=np.int64)
+        objects = np.empty((len(self), len(variables)), dtype=np.int64)
+        n = _distinct((self.scene, self.objects), np.array(variables, dtype=np.int64), scene, objects)
+        return Sequences(scene[:n], objects[:n])
 
     def _drawn(
         self, counts: NDArray[np.int64], arguments: NDArray[np.int64], uniform: NDArray[np.float64], most: int
@@ -227,3 +230,77 @@ def _free_object(bound: NDArray[np.int64], number: int) -> int:
             is_free &= other != place
         number -= is_free
     return place
+
+
+@kernel
+def _distinct(
+    sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
+    variables: NDArray[np.int64],
+    scene: NDArray[np.int64],
+    objects: NDArray[np.int64],
+) -> int:
+    """Write the distinct tuples of some variables into `scene` and `objects`; how many there are."""
+    scenes, bound = sequences
+    base, n_scenes, n_numbers = 1, 0, 1.0
+    for i in range(len(scenes)):
+        n_scenes += i == 0 or scenes[i] != scenes[i - 1]
+        for variable in variables:
+            base = max(base, bound[i, variable] + 2)
+    for _ in variables:
+        n_numbers *= base
+    size = n_numbers if n_numbers * n_scenes <= _TABLE * len(scenes) else 0.0
+    seen = np.zeros(8 * int(np.ceil(size / 8.0)), dtype=np.uint8)
+    table = (seen, seen.view(np.uint64), np.empty(len(seen), dtype=np.int64))
+    n, begin = 0, 0
+    while begin < len(scenes):
+        end = begin
+        while end < len(scenes) and scenes[end] == scenes[begin]:
+            end += 1
+        chosen = _first_of_each(bound[begin:end], variables, base, table)
+        for i in chosen:
+            scene[n] = scenes[begin]
+            for j in range(len(variables)):
+                objects[n, j] = bound[begin + i, variables[j]]
+            n += 1
+        begin = end
+    return n
+
+
+@kernel
+def _first_of_each(
+    objects: NDArray[np.int64],
+    variables: NDArray[np.int64],
+    base: int,
+    table: tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.int64]],
+) -> NDArray[np.int64]:
+    """Return a sequence of one scene for each distinct tuple, in order of the tuples.
+
+    `table` says for every number below `base` ** arity whether it was seen, the same for eight numbers at
+    once, and in which sequence; it is left as it was found, and empty if sorting is faster.
+    """
+    seen, eight, where = table
+    n = len(objects)
+    keys = np.zeros(n, dtype=np.int64)
+    for i in range(n):
+        for variable in variables:
+            keys[i] = keys[i] * base + objects[i, variable] + 1
+    chosen, kept = np.empty(n, dtype=np.int64), 0
+    if len(seen) == 0:
+        order = np.argsort(keys)
+        for i in range(n):
+            if i == 0 or keys[order[i]] != keys[order[i - 1]]:
+                chosen[kept] = order[i]
+                kept += 1
+        return chosen[:kept]
+    for i in range(n):
+        seen[keys[i]] = 1
+        where[keys[i]] = i
+    for group in range(len(eight)):
+        if eight[group] == 0:
+            continue
+        for key in range(8 * group, 8 * group + 8):
+            if seen[key]:
+                chosen[kept] = where[key]
+                kept += 1
+        eight[group] = 0
+    return chosen[:kept]
