@@ -92,7 +92,7 @@ def test_what_is_compressed_is_unpacked_and_the_rest_left_alone() -> None:
     assert unpacked(b"", "table") == b""
 
 
-@pytest.mark.parametrize("damaged", [gzip.compress(b"a,b")[:-8] + bytes(8), b"\x1f\x8b"])
+@pytest.mark.parametrize("damaged", [gzip.compress(b"a,b", mtime=0)[:-8] + bytes(8), b"\x1f\x8b"])
 def test_damaged_compression_is_refused(damaged: bytes) -> None:
     with pytest.raises(InputError, match="table is damaged: it cannot be unpacked with gzip"):
         unpacked(damaged, "table")
