@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from relforest.scenes.arrays import gather
 from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from relforest.scenes import Scenes
-
 
 # A table of so many times as many numbers as there are sequences is still faster than sorting them.
 _TABLE: Final = 64
@@ -75,8 +73,10 @@ class Sequences:
             object" if there is none.
         """
         n = int(n_extensions(self.scene, self.objects, counts, arguments, 1))
-        # As many as there are of each scene, so that nothing is drawn.
-        return replace(self._drawn(counts, arguments, np.empty((0, n)), n), ratio=self.ratio)
+        scene = np.empty(n, dtype=np.int64)
+        objects = np.empty((n, self.depth + 1), dtype=np.int64)
+        _extend((self.scene, self.objects), counts, arguments, scene, objects)
+        return Sequences(scene, objects, self.ratio)
 
     def drawn(
         self,
@@ -96,8 +96,10 @@ class Sequences:
             return self.extended(counts, arguments)
         n_scenes = len(self.scenes)
         uniform = rng.random((n_scenes, max(most // n_scenes, 1)))
-        drawn = self._drawn(counts, arguments, uniform, uniform.size)
-        return replace(drawn, ratio=self.ratio * n / len(drawn))
+        scene = np.empty(uniform.size, dtype=np.int64)
+        objects = np.empty((uniform.size, self.depth + 1), dtype=np.int64)
+        drawn = _draw((self.scene, self.objects), counts, arguments, uniform, scene, objects)
+        return Sequences(scene[:drawn], objects[:drawn], self.ratio * n / drawn)
 
     def distinct(self, variables: tuple[int, ...]) -> Sequences:
         """Return the distinct tuples of `variables` in each scene, in order of position."""
@@ -108,24 +110,11 @@ class Sequences:
         n = _distinct((self.scene, self.objects), np.array(variables, dtype=np.int64), scene, objects)
         return Sequences(scene[:n], objects[:n])
 
-    def _drawn(
-        self, counts: NDArray[np.int64], arguments: NDArray[np.int64], uniform: NDArray[np.float64], most: int
-    ) -> Sequences:
-        """Return up to `most` extensions, drawn with the numbers (n_scenes, n) of their scene."""
-        scene = np.empty(most, dtype=np.int64)
-        objects = np.empty((most, self.depth + 1), dtype=np.int64)
-        n = _draw((self.scene, self.objects), counts, arguments, uniform, scene, objects)
-        return Sequences(scene[:n], objects[:n])
-
 
 def argument_places(scenes: Scenes) -> NDArray[np.int64]:
     """Return the position of every action argument in its scene, (n_scenes, k); -1 = none."""
-    counts, places = scenes.counts, np.full(scenes.arguments.shape, -1, dtype=np.int64)
-    scene = np.repeat(np.arange(len(counts)), counts)
-    place = np.arange(len(scene)) - (np.cumsum(counts) - counts)[scene]
-    objects = gather(scenes.rows, scenes.starts, counts)
-    found, argument = np.nonzero(objects[:, None] == scenes.arguments[scene])
-    places[scene[found], argument] = place[found]
+    places = np.full(scenes.arguments.shape, -1, dtype=np.int64)
+    _find_places((scenes.rows, scenes.starts, scenes.counts), scenes.arguments, places)
     return places
 
 
@@ -177,6 +166,39 @@ def _is_new(objects: NDArray[np.int64], i: int, j: int) -> int:
 
 
 @kernel
+def _extend(
+    sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
+    counts: NDArray[np.int64],
+    arguments: NDArray[np.int64],
+    new_scene: NDArray[np.int64],
+    new_objects: NDArray[np.int64],
+) -> None:
+    scene, objects = sequences
+    depth = objects.shape[1]
+    n = 0
+    for i in range(len(scene)):
+        first = n
+        if depth < arguments.shape[1]:
+            new_objects[n, depth] = arguments[scene[i], depth]
+            n += 1
+        else:
+            for place in range(counts[scene[i]]):
+                repeated = False
+                for j in range(depth):
+                    repeated |= objects[i, j] == place
+                if not repeated:
+                    new_objects[n, depth] = place
+                    n += 1
+            if n == first:
+                new_objects[n, depth] = -1
+                n += 1
+        for k in range(first, n):
+            new_scene[k] = scene[i]
+            for j in range(depth):
+                new_objects[k, j] = objects[i, j]
+
+
+@kernel
 def _draw(
     sequences: tuple[NDArray[np.int64], NDArray[np.int64]],
     counts: NDArray[np.int64],
@@ -185,10 +207,7 @@ def _draw(
     new_scene: NDArray[np.int64],
     new_objects: NDArray[np.int64],
 ) -> int:
-    """Draw extensions with the numbers of a row of `uniform` for each scene; how many in all.
-
-    Of a scene that has no more of them than the row has numbers, all are written.
-    """
+    """Draw extensions with the numbers of a row of `uniform` for each scene; how many in all."""
     scene, objects = sequences
     depth = objects.shape[1]
     n, begin, row = 0, 0, 0
@@ -304,3 +323,17 @@ def _first_of_each(
                 kept += 1
         eight[group] = 0
     return chosen[:kept]
+
+
+@kernel
+def _find_places(
+    scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
+    arguments: NDArray[np.int64],
+    places: NDArray[np.int64],
+) -> None:
+    rows, starts, counts = scenes
+    for i in range(len(starts)):
+        for j in range(arguments.shape[1]):
+            for place in range(counts[i]):
+                if rows[starts[i] + place] == arguments[i, j]:
+                    places[i, j] = place
