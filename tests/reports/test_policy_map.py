@@ -128,6 +128,7 @@ def test_policies_of_state_variables_can_be_drawn() -> None:
     ("evaluate", "message"),
     [
         (lambda states: np.zeros((len(states), 2)), "one value per state and action"),
+        (lambda states: np.full((len(states), 3), np.nan), "values that are not finite"),
         (lambda states: np.zeros(len(states)), "got the shape"),
     ],
 )

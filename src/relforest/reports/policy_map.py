@@ -179,6 +179,8 @@ def preferences(
             f"the policy must return one value per state and action, {(len(states), keepers)}, got the shape "
             f"{answers.shape}"
         )
+    if not np.isfinite(answers).all():
+        raise InputError("the policy returns values that are not finite, which have no order: mend it")
     ordered = np.sort(answers, axis=1)
     margins = ordered[:, -1] - ordered[:, -2]
     return Preferences(x, y, answers.argmax(axis=1).reshape(form), margins.reshape(form))
