@@ -13,19 +13,12 @@ from relforest.support.options import at_least, in_range
 @final
 @dataclass(frozen=True, slots=True)
 class CorridorState:
-    """One moment of an episode.
-
-    Parameters
-    ----------
-    x : float
-        Location of the agent, in corridor lengths, 0 (left edge) to 1 (right edge).
-    steps : int
-        Steps taken since the beginning of the episode.
+    """One moment of an episode: the agent's location in corridor lengths, and the steps taken since it began.
 
     Raises
     ------
     InputError
-        If ``x`` is not a number from 0 to 1, or ``steps`` is not an integer of at least 0.
+        If ``x`` is not a number from 0 (left edge) to 1, or ``steps`` is not an integer of at least 0.
     """
 
     x: float
