@@ -190,13 +190,7 @@ class BlocksEnv(WorldEnv):
         return step
 
     def command(self, position: int) -> Command:
-        """Return an available action with ids and target, in the form that `perform` takes.
-
-        Parameters
-        ----------
-        position : int
-            Position in the present `decision`.
-        """
+        """Return the action at a position of the present `decision`, in the form that `perform` takes."""
         decision = self.moment.decision
         action = decision.action(position)
         name = self.task.action_types[action.type].name

@@ -25,13 +25,11 @@ _NO_TARGETS: Final = np.empty(0, dtype=np.int64)
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """A state of a task, as agents see it."""
+    """A state of a task, as agents see it, with one slot per block of the episode, then one per target."""
 
     state: BlocksState
     score: float  # of the task
-    present: NDArray[
-        np.bool_
-    ]  # (n_slots,) which hold an object: one per block of the episode, then per target
+    present: NDArray[np.bool_]  # (n_slots,) which slots hold an object
     decision: Decision  # no action after the end
     action_mask: NDArray[np.int8]  # (n_actions,) 1 for each of its actions
     scene: Scenes  # the blocks
@@ -83,14 +81,7 @@ class Observer:
         self._slots, self._scene = ids, None
 
     def look(self, state: BlocksState, *, ended: bool = False) -> Moment:
-        """Return what an agent sees in a state of the episode.
-
-        Parameters
-        ----------
-        state : BlocksState
-        ended : bool
-            Whether the episode has terminated.
-        """
+        """Return what an agent sees in a state of the episode, or after it has terminated."""
         if self._scene is None or state.ids is not self._ids:
             self._scene, self._ids = scene(describe_state(state), state.ids.tolist()), state.ids
             self._own = np.searchsorted(self._slots, state.ids)

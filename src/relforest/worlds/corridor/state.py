@@ -33,11 +33,5 @@ class CorridorState:
 
 
 def initial_state(rng: np.random.Generator) -> CorridorState:
-    """Draw the first state of an episode: the location is uniform over the corridor.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Consumed by one uniform number.
-    """
+    """Draw the first state of an episode: the location is one uniform number from ``rng``."""
     return CorridorState(rng.random())

@@ -65,7 +65,7 @@ class Seen(NamedTuple):
 class Batch:
     """Games with the same rules, each waiting for a decision or at its end; `begin` them first.
 
-    Each thread plays a share of the games; their number does not affect the results.
+    Each thread plays a share of the games; how many there are does not affect the results.
     """
 
     def __init__(self, setup: Setup, n_games: int, n_threads: int = 1) -> None:
