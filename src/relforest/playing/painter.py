@@ -38,17 +38,7 @@ def picture_shape(stage: Stage) -> tuple[int, int]:
 
 
 def paint(stage: Stage, frame: Frame) -> NDArray[np.uint8]:
-    """Return the picture of a frame.
-
-    Parameters
-    ----------
-    stage : Stage
-    frame : Frame
-
-    Returns
-    -------
-    (height, width, 3) uint8
-        Red, green and blue; see `picture_shape`.
+    """Return the picture of a frame, uint8 (height, width, 3) RGB, see `picture_shape`.
 
     Raises
     ------

@@ -63,17 +63,11 @@ def checked_seed(seed: object) -> int | None:
 def checked_reset_options(options: object, known: Mapping[str, Check] | None) -> dict[str, Any]:
     """Return the options of a reset by name; none for None.
 
-    Parameters
-    ----------
-    options : object
-        A mapping from names to values, or None.
-    known : mapping of str to callable, optional
-        Name of each option of the world -> function that checks its value and returns it; None accepts all.
-
     Raises
     ------
     InputError
-        If it is neither, an option is unknown, or a value is wrong.
+        If options are neither a mapping nor None, a name is not ``known``, or its function does not accept
+        the value. Without ``known``, all are accepted.
     """
     if options is None:
         return {}

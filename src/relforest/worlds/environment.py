@@ -69,14 +69,9 @@ class WorldEnv(gymnasium.Env[dict[str, Any], np.int64], ABC):
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[Arrays, Info]:
-        """Begin an episode.
+        """Begin an episode, with the `reset_options` that are given.
 
-        Parameters
-        ----------
-        seed : int, optional
-            At least 0; the same seed gives the same episodes. Without one, the random numbers continue.
-        options : mapping, optional
-            Those of `reset_options`.
+        The same seed, at least 0, gives the same episodes. Without one, the random numbers continue.
         """
         chosen, seed = checked_reset_options(options, self.reset_options), checked_seed(seed)
         super().reset(seed=seed)

@@ -36,12 +36,7 @@ _VECTOR_ENTRY_POINTS: Final[Mapping[str, str]] = MappingProxyType(
 
 
 def environment_id(world: str) -> str:
-    """Return the Gymnasium identifier of a world.
-
-    Parameters
-    ----------
-    world : str
-        A key of `ENVIRONMENT_IDS`, such as ``"corridor"``.
+    """Return the Gymnasium identifier of a world, a key of `ENVIRONMENT_IDS`, such as ``"corridor"``.
 
     Raises
     ------

@@ -27,24 +27,12 @@ _REMEMBERED: Final = 64
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """The ground actions that are available while certain objects are present.
+    """The ground actions that are available while certain objects are present."""
 
-    Parameters
-    ----------
-    types : (m,) int64
-        Position among the action types.
-    arguments : (m, k) int64
-        Bound objects, counted among those present; `UNBOUND` beyond the arity.
-    indices : (m,) int64
-        Numbers of the actions, ascending.
-    mask : (n,) int8
-        1 for these of all n actions.
-    """
-
-    types: NDArray[np.int64]
-    arguments: NDArray[np.int64]
-    indices: NDArray[np.int64]
-    mask: NDArray[np.int8]
+    types: NDArray[np.int64]  # (m,) position among the action types
+    arguments: NDArray[np.int64]  # (m, k) bound objects among those present; `UNBOUND` beyond the arity
+    indices: NDArray[np.int64]  # (m,) numbers of the actions, ascending
+    mask: NDArray[np.int8]  # (n,) 1 for these of all n actions
 
     def __post_init__(self) -> None:
         for array in (self.types, self.arguments, self.indices, self.mask):
@@ -56,20 +44,12 @@ class Offer:
 class FlatActions:
     """All ground actions, whether or not they are available.
 
-    Parameters
-    ----------
-    types : (n,) int64
-        Position among the action types, in ascending order.
-    slots : (n, k) int64
-        Object slots bound to the parameters; `UNBOUND` beyond the arity, and for a block that is moved to a
-        target: the target says which block that is.
-    targets : (n,) int64
-        Number of the target of each action, `UNBOUND` for actions without one.
+    A block that is moved to a target is not among the ``slots``: the target says which block that is.
     """
 
-    types: NDArray[np.int64]
-    slots: NDArray[np.int64]
-    targets: NDArray[np.int64]
+    types: NDArray[np.int64]  # (n,) position among the action types, ascending
+    slots: NDArray[np.int64]  # (n, k) object slots bound to the parameters; `UNBOUND` beyond the arity
+    targets: NDArray[np.int64]  # (n,) number of the target, `UNBOUND` for actions without one
     _offers: dict[bytes, Offer] = field(init=False, repr=False, default_factory=dict)
 
     def __len__(self) -> int:
@@ -113,17 +93,11 @@ class FlatActions:
 
 
 def flat_actions(action_types: tuple[ActionType, ...], n_blocks: int, n_targets: int) -> FlatActions:
-    """Return the ground actions of all types, type after type.
+    """Return the ground actions of all types, type after type, for these numbers of slots.
 
     A type with a parameter called ``target`` has one action per target, any other one for every way to bind
     different blocks to its parameters: for the last action types of all with two blocks a and b, (0, 1),
     (0, 2), ..., (1, 0), (1, 2), ...
-
-    Parameters
-    ----------
-    action_types : tuple of ActionType
-    n_blocks, n_targets : int
-        Numbers of slots.
     """
     arity = max(action_type.arity for action_type in action_types)
     types: list[int] = []
@@ -151,7 +125,6 @@ def position_of(decision: Decision, action_type: int, *objects: int) -> int:
 
     Parameters
     ----------
-    decision : Decision
     action_type : int
         Position among the action types.
     *objects : int

@@ -20,20 +20,12 @@ from relforest.worlds.blocks.state import ON_TABLE, BlocksState
 @final
 @dataclass(frozen=True, slots=True)
 class Arch:
-    """An arch: a block supported by two others, and the open rectangle under it.
+    """An arch: a block supported by two others, and the open rectangle under it."""
 
-    Parameters
-    ----------
-    top, left, right : int
-        Positions of the top block and of its supports in the state.
-    low_x, high_x, low_y, high_y : float
-        The open rectangle, world units.
-    """
-
-    top: int
+    top: int  # positions of the top block and of its supports in the state
     left: int
     right: int
-    low_x: float
+    low_x: float  # the open rectangle, world units
     high_x: float
     low_y: float
     high_y: float

@@ -54,12 +54,7 @@ class Exploration(Protocol):
 class CarefulPolicy:
     """Rotate supports upright, space them, put the top on them, and choose done when the arch is finished.
 
-    It also chooses done if fewer than three blocks are left.
-
-    Parameters
-    ----------
-    world : ArchWorld
-        The world it acts in, made with ``sampler="expert"``.
+    It also chooses done if fewer than three blocks are left. The world must have ``sampler="expert"``.
     """
 
     world: ArchWorld
@@ -91,15 +86,9 @@ class CarefulPolicy:
 class TrainerPolicy:
     """The same plan, with purposeful errors: the experience that the arch is learned from.
 
-    With probability 0.1 it acts at random. Otherwise, it chooses done with probability 0.5 if the arch is
-    finished, and skips the rotation of each lying support with probability 0.5.
-
-    Parameters
-    ----------
-    world : ArchWorld
-        The world it acts in, made with ``sampler="expert"``.
-    exploration : Exploration
-        How it acts at random, among the rotations, done, and the moves of the training sampler.
+    With probability 0.1 it acts at random, among the rotations, done, and the moves of the training sampler.
+    Otherwise, it chooses done with probability 0.5 if the arch is finished, and skips the rotation of each
+    lying support with probability 0.5.
 
     Notes
     -----

@@ -61,16 +61,7 @@ class OptionResult:
 
 @final
 class Arm:
-    """The robot while it handles one block.
-
-    Parameters
-    ----------
-    sim : BlocksSimulation
-        Changed in place.
-    block : int
-        Id of the block.
-    handling : Handling
-        How precise it is, and which blocks it considers to be below another.
+    """The robot while it handles the block with this id, as precisely as `Handling` says; it changes ``sim``.
 
     Raises
     ------

@@ -96,16 +96,9 @@ def random_blocks(rng: np.random.Generator, n: int, *, first_id: int = 0) -> tup
 
 
 def arch_blocks(rng: np.random.Generator, n: int = 3, *, first_id: int = 0) -> tuple[Block, ...]:
-    """Draw blocks of the arch task: all of size `ARCH_HALF_EXTENTS`, in random colors.
+    """Draw blocks of the arch task, as `random_blocks` does, but of size `ARCH_HALF_EXTENTS`.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Consumed by three uniform numbers a block.
-    n : int
-        Number of blocks, 0 to 100 000.
-    first_id : int
-        Id of the first block.
+    It consumes three uniform numbers a block.
     """
     rng, start = checked_generator(rng), between("first_id", first_id, 0, LARGEST_ID - MOST_DRAWN)
     count = between("n", n, 0, MOST_DRAWN)

@@ -52,19 +52,12 @@ def box_of(body: Any, half_extents: tuple[float, float]) -> Box:  # noqa: ANN401
 
 
 def shared(reference: Any, *numbers: float) -> memoryview[float]:  # noqa: ANN401 - as above
-    """Return numbers of Box2D as memory, to read and to write.
-
-    Parameters
-    ----------
-    reference : b2Vec2 or b2Rot
-        Inside a body or a joint: where the numbers begin.
-    *numbers : float
-        What they are now.
+    """Return numbers of Box2D (a b2Vec2 or b2Rot inside a body or a joint) as memory, to read and to write.
 
     Raises
     ------
     RuntimeError
-        If they are something else: this build of Box2D keeps them in another way.
+        If they are not ``numbers`` now: this build of Box2D keeps them in another way.
     """
     there: memoryview[Any] = memoryview((ctypes.c_float * len(numbers)).from_address(int(reference.this)))
     there = there.cast("B").cast("f")

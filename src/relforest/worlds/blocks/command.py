@@ -36,15 +36,7 @@ class Command:
 
 
 def run_command(sim: BlocksSimulation, command: Command, handling: Handling) -> OptionResult:
-    """Carry out a command from its beginning to its end.
-
-    Parameters
-    ----------
-    sim : BlocksSimulation
-        Changed in place.
-    command : Command
-    handling : Handling
-        How the robot handles blocks.
+    """Carry out a command from its beginning to its end; ``sim`` is changed in place.
 
     Raises
     ------

@@ -317,12 +317,7 @@ class Engine:
     def grab(self, key: int, springs: Sequence[Spring]) -> None:
         """Hold a box by springs attached at its present location, releasing any other box.
 
-        Parameters
-        ----------
-        key : int
-            The box.
-        springs : sequence of Spring
-            The first is the main one, which moves the box.
+        The first spring is the main one, which moves the box.
 
         Raises
         ------

@@ -190,13 +190,7 @@ class BlocksEnv(WorldEnv):
         return step
 
     def command(self, position: int) -> Command:
-        """Return an available action with ids and target, in the form that `perform` takes.
-
-        Parameters
-        ----------
-        position : int
-            Position in the present `decision`.
-        """
+        """Return the action at a position of the present `decision`, in the form that `perform` takes."""
         decision = self.moment.decision
         action = decision.action(position)
         name = self.task.action_types[action.type].name
@@ -315,15 +309,7 @@ def high_towers_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the high towers task: the reward is the change in the mean height of the blocks.
-
-    Parameters
-    ----------
-    sides : pair of float
-        Smallest and largest side of a block, from 0.02 to 10.
-    render_mode, n_blocks, max_actions, handling
-        As for `BlocksEnv`.
-    """
+    """Return the environment of `tasks.high_towers`; for the other parameters see `BlocksEnv`."""
     task = high_towers(sides)
     return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
 
@@ -337,17 +323,7 @@ def color_grouping_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the task of stacking blocks of similar colors: the reward is the change in the score.
-
-    Parameters
-    ----------
-    distance : {"ciede2000", "rgb"}
-        How colors are compared.
-    sides : pair of float
-        Smallest and largest side of a block, from 0.02 to 10.
-    render_mode, n_blocks, max_actions, handling
-        As for `BlocksEnv`.
-    """
+    """Return the environment of `tasks.color_grouping`; for the other parameters see `BlocksEnv`."""
     task = color_grouping(distance, sides)
     return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
 
@@ -361,17 +337,7 @@ def arch_env(
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
-    """Return the task of building an arch: only ``done`` is rewarded, with the area under the arch.
-
-    Parameters
-    ----------
-    sampler : {"test", "training", "expert"}
-        Which targets moves can have, see `relforest.worlds.blocks.samplers`.
-    size : pair of float
-        Width and height of all blocks, from 0.02 to 10.
-    render_mode, n_blocks, max_actions, handling
-        As for `BlocksEnv`.
-    """
+    """Return the environment of `tasks.arch`; for the other parameters see `BlocksEnv`."""
     task = arch(sampler, size)
     return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
 

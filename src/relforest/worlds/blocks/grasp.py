@@ -54,14 +54,9 @@ def forces(point: tuple[float, float], half_extents: tuple[float, float]) -> For
 
 
 def springs(point: tuple[float, float], half_extents: tuple[float, float]) -> tuple[Spring, ...]:
-    """Return the springs that hold a block at a point, the main one first.
+    """Return the springs that hold a block at a point (see `forces`), the main one first.
 
     The supports stand at the two faces across the thinner side of the block, level with the grasp point.
-
-    Parameters
-    ----------
-    point, half_extents : tuple of float
-        As in `forces`.
     """
     half_width, half_height = half_extents
     mass = 4 * half_width * half_height

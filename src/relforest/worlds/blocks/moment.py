@@ -25,29 +25,14 @@ _NO_TARGETS: Final = np.empty(0, dtype=np.int64)
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """A state of a task, as agents see it.
-
-    Parameters
-    ----------
-    state : BlocksState
-    score : float
-        The score of the task.
-    present : (n_slots,) bool
-        Which slots hold an object: one slot per block of the episode, then one per target.
-    decision : Decision
-        Objects and available actions; no action after the end.
-    action_mask : (n_actions,) int8
-        1 for each of these actions.
-    scene : Scenes
-        The blocks.
-    """
+    """A state of a task, as agents see it, with one slot per block of the episode, then one per target."""
 
     state: BlocksState
-    score: float
-    present: NDArray[np.bool_]
-    decision: Decision
-    action_mask: NDArray[np.int8]
-    scene: Scenes
+    score: float  # of the task
+    present: NDArray[np.bool_]  # (n_slots,) which slots hold an object
+    decision: Decision  # no action after the end
+    action_mask: NDArray[np.int8]  # (n_actions,) 1 for each of its actions
+    scene: Scenes  # the blocks
 
     def observation(self) -> dict[str, NDArray[Any]]:
         """Return new padded arrays, 0 in empty slots and where an attribute is undefined."""
@@ -66,15 +51,9 @@ class Moment:
 
 @final
 class Observer:
-    """Turns successive states of a task into moments.
+    """Turns successive states of a task with this number of blocks into moments.
 
     It caches everything that stays the same until a block is lost.
-
-    Parameters
-    ----------
-    task : Task
-    n_blocks : int
-        Blocks of an episode.
     """
 
     def __init__(self, task: Task, n_blocks: int) -> None:
@@ -102,14 +81,7 @@ class Observer:
         self._slots, self._scene = ids, None
 
     def look(self, state: BlocksState, *, ended: bool = False) -> Moment:
-        """Return what an agent sees in a state of the episode.
-
-        Parameters
-        ----------
-        state : BlocksState
-        ended : bool
-            Whether the episode has terminated.
-        """
+        """Return what an agent sees in a state of the episode, or after it has terminated."""
         if self._scene is None or state.ids is not self._ids:
             self._scene, self._ids = scene(describe_state(state), state.ids.tolist()), state.ids
             self._own = np.searchsorted(self._slots, state.ids)

@@ -3,11 +3,15 @@
 They are described in Palmer (2015), sections 7.4.1 to 7.4.3; the numbers are those of the author's simulator.
 An option always ends, after 5 stages of 5 s at the latest, and blocks that fall off the table are gone; `arm`
 describes what the stages do when something goes wrong.
+
+All change the simulation that they are given, name blocks by their ids, and take how the robot handles them.
+They raise InputError if a block is not on the table or another argument is impossible, before anything moves.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -35,31 +39,11 @@ SHORTEST_WAIT: Final = 0.5
 _HANDLING = Handling()
 
 
-def put(
-    sim: BlocksSimulation,
-    a: int,
-    b: int,
-    *,
-    handling: Handling = _HANDLING,
-) -> OptionResult:
+def put(sim: BlocksSimulation, a: int, b: int, *, handling: Handling = _HANDLING) -> OptionResult:
     """Lift block a, carry it above block b, lower it and let it go.
 
     Blocks on top of a are carried along or thrown off, and a comes down on whatever lies on b. If b falls off
-    the table in the meantime, a is lowered where it is.
-
-    Parameters
-    ----------
-    sim : BlocksSimulation
-        Changed in place.
-    a, b : int
-        Ids of two blocks.
-    handling : Handling
-        How the robot handles blocks.
-
-    Raises
-    ------
-    InputError
-        If a block is not on the table, or both are the same.
+    the table in the meantime, a is lowered where it is. Both blocks must be on the table, and differ.
     """
     sim.index(b)
     if a == b:
@@ -69,72 +53,27 @@ def put(
     def above_b() -> float:
         return sim.pose(b)[0] if b in sim else arm.x
 
-    arm.grasp()
-    arm.lift()
-    arm.sideways(above_b)
-    arm.lower(above_b)
-    return arm.drop()
+    return _carried(arm, above_b)
 
 
-def move(
-    sim: BlocksSimulation,
-    a: int,
-    x: float,
-    *,
-    handling: Handling = _HANDLING,
-) -> OptionResult:
+def move(sim: BlocksSimulation, a: int, x: float, *, handling: Handling = _HANDLING) -> OptionResult:
     """Lift block a, carry it to x, lower it and let it go: `put` with a place instead of a block.
 
     Parameters
     ----------
-    sim : BlocksSimulation
-        Changed in place.
-    a : int
-        Id of a block.
     x : float
         Any finite number. Beyond the table, the block falls off and is gone; more than 200 from the middle,
         the robot gives up and drops the block where it was lifted.
-    handling : Handling
-        How the robot handles blocks.
-
-    Raises
-    ------
-    InputError
-        If the block is not on the table, or x is not a finite number.
     """
     target = in_range("x", x, -math.inf, math.inf, open_low=True, open_high=True)
-    arm = Arm(sim, a, handling)
-    arm.grasp()
-    arm.lift()
-    arm.sideways(lambda: target)
-    arm.lower(lambda: target)
-    return arm.drop()
+    return _carried(Arm(sim, a, handling), lambda: target)
 
 
-def rotate(
-    sim: BlocksSimulation,
-    a: int,
-    *,
-    handling: Handling = _HANDLING,
-) -> OptionResult:
+def rotate(sim: BlocksSimulation, a: int, *, handling: Handling = _HANDLING) -> OptionResult:
     """Lift block a by one end, so that it swings by a right angle, lower it and let it go.
 
     Which end depends on the angle of the block, not on its shape: upright blocks are laid down in the same
     way.
-
-    Parameters
-    ----------
-    sim : BlocksSimulation
-        Changed in place.
-    a : int
-        Id of a block.
-    handling : Handling
-        How the robot handles blocks.
-
-    Raises
-    ------
-    InputError
-        If the block is not on the table.
     """
     arm = Arm(sim, a, handling)
     arm.grasp_to_turn()
@@ -143,30 +82,11 @@ def rotate(
     return arm.drop()
 
 
-def isolate(
-    sim: BlocksSimulation,
-    a: int,
-    *,
-    handling: Handling = _HANDLING,
-) -> OptionResult:
+def isolate(sim: BlocksSimulation, a: int, *, handling: Handling = _HANDLING) -> OptionResult:
     """Carry block a to where no other block is above or below it; if it already is there, only wait.
 
     It goes to the middle of the widest gap between the others if that leaves 2 units on both sides, and
     otherwise beyond all of them, on the side where the outermost block is closer to the middle of the table.
-
-    Parameters
-    ----------
-    sim : BlocksSimulation
-        Changed in place.
-    a : int
-        Id of a block.
-    handling : Handling
-        How the robot handles blocks.
-
-    Raises
-    ------
-    InputError
-        If the block is not on the table.
     """
     arm = Arm(sim, a, handling)
     if not overlapping(sim.bounds.tolist(), sim.index(a), overlap=handling.overlap):
@@ -181,15 +101,20 @@ def isolate(
 def done(sim: BlocksSimulation) -> OptionResult:
     """Wait for about a second, as the author's simulator does when the robot says that it is done.
 
-    Parameters
-    ----------
-    sim : BlocksSimulation
-        Only time passes; the task decides what ``done`` means.
+    Only time passes; the task decides what ``done`` means.
     """
     start = sim.steps
     sim.step(_waiting_steps(sim.rng) + 1)
     steps = sim.steps - start
     return OptionResult(steps / STEPS_PER_SECOND, steps, 0, grasped=False)
+
+
+def _carried(arm: Arm, x: Callable[[], float]) -> OptionResult:
+    arm.grasp()
+    arm.lift()
+    arm.sideways(x)
+    arm.lower(x)
+    return arm.drop()
 
 
 def _waiting_steps(rng: np.random.Generator) -> int:

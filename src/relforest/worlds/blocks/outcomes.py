@@ -32,21 +32,11 @@ _MOST_TRIALS: Final = 100
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
-    """One scene and its outcome.
+    """One scene and its outcome."""
 
-    Attributes
-    ----------
-    objects : (n, width) float64
-        The blocks in the columns of the schema of the blocks world, before physics runs.
-    arguments : tuple of int
-        Positions of the blocks bound to the arguments of the task.
-    outcome : bool or None
-        The label; None if the outcome is undecided.
-    """
-
-    objects: NDArray[np.float64]
-    arguments: tuple[int, ...]
-    outcome: bool | None
+    objects: NDArray[np.float64]  # (n, width): the blocks as in `SCHEMA`, before physics runs
+    arguments: tuple[int, ...]  # positions of the blocks bound to the arguments of the task
+    outcome: bool | None  # the label; None if undecided
 
 
 def checked_range(name: str, limits: Sequence[int], least: int) -> tuple[int, int]:
@@ -75,22 +65,16 @@ def decided_scenes(
     draw: Callable[[np.random.Generator], Trial],
     parameters: tuple[str, ...] = (),
 ) -> tuple[Scenes, NDArray[np.bool_]]:
-    """Draw trials until ``n`` are decided.
+    """Draw trials until ``n`` are decided, and return their scenes and their labels, (n,).
 
     Parameters
     ----------
-    rng : numpy.random.Generator
     n : int
         Number of scenes, 1 to 100 000.
     draw : callable
         Makes one trial.
     parameters : tuple of str
         Names of the arguments of the task.
-
-    Returns
-    -------
-    scenes : Scenes
-    labels : (n,) bool
 
     Raises
     ------

@@ -51,11 +51,8 @@ def overlapping(bounds: Sequence[Sequence[float]], i: int, *, overlap: Overlap =
 def widest_gap(intervals: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """Return where the widest gap between intervals begins and ends; an empty one if there is none.
 
-    Parameters
-    ----------
-    intervals : sequence of tuple of float
-        Where each begins and ends, at least one. The space beyond all of them is not a gap. The leftmost of
-        equally wide gaps is returned.
+    There must be an interval. The space beyond all of them is not a gap. The leftmost of equally wide gaps is
+    returned.
     """
     ordered = sorted(intervals)
     covered = ordered[0][1]

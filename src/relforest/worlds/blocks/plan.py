@@ -20,24 +20,12 @@ BUFFER: Final = 1.0
 @final
 @dataclass(frozen=True, slots=True)
 class ArchPlan:
-    """The roles of the blocks in the planned arch, and the next steps.
+    """The roles of the blocks in the planned arch, and the next steps."""
 
-    Parameters
-    ----------
-    top : int
-        Position of the block that will lie on the others.
-    lying : tuple of int
-        The supports that lie and should be rotated first, from left to right.
-    block : int
-        The block to move if no support is rotated.
-    x : float
-        Where to.
-    """
-
-    top: int
-    lying: tuple[int, ...]
-    block: int
-    x: float
+    top: int  # position of the block that will lie on the others
+    lying: tuple[int, ...]  # the supports that lie and should be rotated first, from left to right
+    block: int  # the block to move if no support is rotated
+    x: float  # where to
 
 
 @lru_cache(maxsize=4)

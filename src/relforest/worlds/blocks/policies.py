@@ -107,18 +107,6 @@ def _random(world: BlocksWorld) -> Policy:
     return RandomPolicy(world.task.exploration)
 
 
-def _large_first(world: BlocksWorld) -> Policy:  # noqa: ARG001 - one signature for all
-    return TowerPolicy("large")
-
-
-def _small_first(world: BlocksWorld) -> Policy:  # noqa: ARG001 - one signature for all
-    return TowerPolicy("small")
-
-
-def _grouping(world: BlocksWorld) -> Policy:  # noqa: ARG001 - one signature for all
-    return ColorPolicy()
-
-
 def _trainer(world: BlocksWorld) -> Policy:
     return TrainerPolicy(world, RandomPolicy(world.task.exploration))
 
@@ -126,9 +114,13 @@ def _trainer(world: BlocksWorld) -> Policy:
 POLICIES: Final[Mapping[str, Mapping[str, Callable[[BlocksWorld], Policy]]]] = MappingProxyType(
     {
         "high-towers": MappingProxyType(
-            {"random": _random, "large-first": _large_first, "small-first": _small_first}
+            {
+                "random": _random,
+                "large-first": lambda _: TowerPolicy("large"),
+                "small-first": lambda _: TowerPolicy("small"),
+            }
         ),
-        "color-grouping": MappingProxyType({"random": _random, "manual": _grouping}),
+        "color-grouping": MappingProxyType({"random": _random, "manual": lambda _: ColorPolicy()}),
         "arch": MappingProxyType({"random": _random, "careful": CarefulPolicy, "trainer": _trainer}),
     }
 )

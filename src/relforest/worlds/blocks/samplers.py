@@ -42,51 +42,26 @@ _SAME: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Targets:
-    """Candidate moves; their number depends only on the number of blocks.
+    """Candidate moves; their number depends only on the number of blocks."""
 
-    Parameters
-    ----------
-    slots : (k,) int64
-        The block that moves, counted as at the start of the episode.
-    x : (k,) float64
-        Where to; NaN = this candidate does not exist at present.
-    """
-
-    slots: NDArray[np.int64]
-    x: NDArray[np.float64]
+    slots: NDArray[np.int64]  # (k,) the block that moves, counted as at the start of the episode
+    x: NDArray[np.float64]  # (k,) where to; NaN = this candidate does not exist at present
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Sampler:
-    """A way to sample targets.
+    """A way to sample targets."""
 
-    Parameters
-    ----------
-    size : callable
-        Returns the number of candidates for a number of blocks.
-    sample : callable
-        Returns the targets for a state, the slot of each of its blocks, and the number of slots.
-    """
-
-    size: Callable[[int], int]
-    sample: Callable[[BlocksState, NDArray[np.int64], int], Targets]
+    size: Callable[[int], int]  # number of blocks -> number of candidates
+    sample: Callable[[BlocksState, NDArray[np.int64], int], Targets]  # state, slots of its blocks, all slots
 
 
 def nearby_targets(target: float, others: Sequence[float]) -> list[float]:
     """Return the targets that a beam search continues with: steps towards and away from each other block.
 
-    Parameters
-    ----------
-    target : float
-        Where the search has moved the block to, world units.
-    others : sequence of m floats
-        Midpoints of the other blocks.
-
-    Returns
-    -------
-    list of 2 m floats
-        Half the way towards each, then a tenth of the distance farther away from each.
+    They are half the way from ``target`` towards each midpoint of the others, then a tenth of the distance
+    farther away from each.
     """
     closer = [target + CLOSER * (other - target) for other in others]
     return closer + [target - FARTHER * (other - target) for other in others]

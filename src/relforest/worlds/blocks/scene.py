@@ -83,12 +83,7 @@ def virtual_objects(targets: NDArray[np.float64]) -> NDArray[np.float64]:
 def scene(objects: NDArray[np.float64], block_ids: Sequence[int]) -> Scenes:
     """Return the scene of a state: `Scenes` of length 1, without arguments and virtual objects.
 
-    Parameters
-    ----------
-    objects : (n, 8) float64
-        The blocks.
-    block_ids : sequence of n int
-        Their ids; they are called ``"block_ID"``.
+    Objects are the blocks, (n, 8); they are called ``"block_ID"``.
     """
     n = len(objects)
     names = [f"block_{number}" for number in block_ids]

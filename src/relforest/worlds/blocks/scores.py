@@ -83,16 +83,7 @@ def mean_height(state: BlocksState) -> float:
 def grouping_score(state: BlocksState, distance: ColorDistance) -> float:
     """Return how well the blocks are grouped by color: the sum of the scores of all stacks.
 
-    Parameters
-    ----------
-    state : BlocksState
-    distance : ColorDistance
-        One of `COLOR_DISTANCES`.
-
-    Returns
-    -------
-    float
-        From ``1 - n`` to ``n - 1`` for n blocks; 0 if all are isolated.
+    It is from ``1 - n`` to ``n - 1`` for n blocks; 0 if all are isolated.
     """
     labels = stacks(state.poses[:, 0], state.bounds)
     in_stacks = np.bincount(labels, minlength=len(state))[labels] > 1

@@ -253,14 +253,7 @@ class BlocksSimulation:
         self._engine.let_go()
 
     def carry(self, goal: tuple[float, float], max_steps: int = MAX_STAGE_STEPS) -> tuple[int, bool]:
-        """Pull the held block until its centre rests at a goal.
-
-        Parameters
-        ----------
-        goal : tuple of float
-            x and y.
-        max_steps : int
-            Give up after this many steps.
+        """Pull the held block until its centre rests at a goal (x, y), or give up after ``max_steps``.
 
         Returns
         -------

@@ -16,7 +16,7 @@ def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.in
 
     Two blocks are linked if the midpoint of one lies between the horizontal extrema of the other, whichever
     it is, whether or not they touch; stacks are what links connect. That links work both ways and heights do
-    not matter is a reading.
+    not matter is a reading of Palmer (2015), section 7.4.2.
 
     Parameters
     ----------
@@ -29,10 +29,6 @@ def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.in
     -------
     (n,) int64
         The first member of each block's stack.
-
-    References
-    ----------
-    Palmer (2015), section 7.4.2.
     """
     middles, intervals = x.tolist(), bounds[:, :2].tolist()
 
@@ -44,17 +40,9 @@ def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.in
 
 
 def connected(bounds: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the group that each block belongs to, where blocks are linked by any horizontal overlap.
+    """Return the first member of each block's group, (n,); blocks are linked by any horizontal overlap.
 
-    Parameters
-    ----------
-    bounds : (n, 4) float64
-        Bounding boxes: min x, max x, min y, max y.
-
-    Returns
-    -------
-    (n,) int64
-        The first member of each block's group.
+    ``bounds`` are those of `stacks`.
     """
     intervals = bounds[:, :2].tolist()
 

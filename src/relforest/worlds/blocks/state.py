@@ -79,15 +79,7 @@ class BlocksState:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Cast:
-    """The remaining blocks, and the properties that stay the same until one of them is lost.
-
-    Parameters
-    ----------
-    ids : (n,) int64
-    half_extents : (n, 2) float64
-    colors : (n, 3) float64
-        As in `BlocksState`.
-    """
+    """The remaining blocks, as in `BlocksState`: what stays the same until one of them is lost."""
 
     ids: NDArray[np.int64]
     half_extents: NDArray[np.float64]
@@ -107,15 +99,7 @@ class Cast:
         )
 
     def state(self, poses: NDArray[np.float64], contacts: Iterable[tuple[int, int]]) -> BlocksState:
-        """Return the state in which they lie somewhere.
-
-        Parameters
-        ----------
-        poses : (n, 3) float64
-            x, y and angle of each.
-        contacts : iterable of pairs of int
-            The ids of blocks that touch.
-        """
+        """Return the state with these poses and these pairs of ids in contact, see `BlocksState`."""
         touching = np.zeros((len(self.ids), len(self.ids)), dtype=np.bool_)
         row = {block: i for i, block in enumerate(self.ids.tolist())}
         for one, other in contacts:
@@ -132,13 +116,7 @@ def _bounds(state: BlocksState) -> NDArray[np.float64]:
 
 
 def boxes(centres: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the boxes with these centres and reaches, (n, 4): min x, max x, min y, max y.
-
-    Parameters
-    ----------
-    centres, reach : (n, 2) float64
-        Along x and y.
-    """
+    """Return the `BlocksState.bounds` of boxes with these centres and reaches, (n, 2) along x and y."""
     bounds = np.empty((len(centres), 4))
     bounds[:, 0::2] = centres - reach
     bounds[:, 1::2] = centres + reach
@@ -146,45 +124,22 @@ def boxes(centres: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[n
 
 
 def reaches(half_extents: NDArray[np.float64], angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far turned boxes reach from their centres, (n, 2) along x and y.
-
-    Parameters
-    ----------
-    half_extents : (n, 2) float64
-    angles : (n,) float64
-        Radians.
-    """
+    """Return how far boxes turned by ``angles`` (radians) reach from their centres, (n, 2) along x and y."""
     cos, sin = np.abs(np.cos(angles)), np.abs(np.sin(angles))
     reach: NDArray[np.float64] = cos[:, None] * half_extents + sin[:, None] * half_extents[:, ::-1]
     return reach
 
 
 def orientations(half_extents: NDArray[np.float64], angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return twice the angle of the longer side of boxes, (n,) in (-pi, pi].
+    """Return twice the angle (radians) of the longer side of boxes, (n,) in (-pi, pi].
 
-    A block looks the same after half a turn, so angles are doubled: 0 is lying, pi upright. A square counts
-    as longer along its own x axis.
-
-    Parameters
-    ----------
-    half_extents : (n, 2) float64
-    angles : (n,) float64
-        Radians.
-
-    References
-    ----------
-    Palmer (2015), section 7.4.1 ("angles near 0 are horizontal and near pi are vertical").
+    A block looks the same after half a turn, so angles are doubled: 0 is lying, pi upright (Palmer (2015),
+    section 7.4.1). A square counts as longer along its own x axis.
     """
     along_y = half_extents[:, 1] > half_extents[:, 0]
     return wrap(2.0 * angles + np.pi * along_y)
 
 
 def is_upright(orientation: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which blocks are upright: their longer side is within 45 degrees of the vertical.
-
-    Parameters
-    ----------
-    orientation : (n,) float64
-        As `orientations` returns them.
-    """
+    """Return which `orientations` are upright: the longer side is within 45 degrees of the vertical."""
     return np.abs(orientation) > np.pi / 2.0

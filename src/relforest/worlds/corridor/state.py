@@ -13,19 +13,12 @@ from relforest.support.options import at_least, in_range
 @final
 @dataclass(frozen=True, slots=True)
 class CorridorState:
-    """One moment of an episode.
-
-    Parameters
-    ----------
-    x : float
-        Location of the agent, in corridor lengths, 0 (left edge) to 1 (right edge).
-    steps : int
-        Steps taken since the beginning of the episode.
+    """One moment of an episode: the agent's location in corridor lengths, and the steps taken since it began.
 
     Raises
     ------
     InputError
-        If ``x`` is not a number from 0 to 1, or ``steps`` is not an integer of at least 0.
+        If ``x`` is not a number from 0 (left edge) to 1, or ``steps`` is not an integer of at least 0.
     """
 
     x: float
@@ -40,11 +33,5 @@ class CorridorState:
 
 
 def initial_state(rng: np.random.Generator) -> CorridorState:
-    """Draw the first state of an episode: the location is uniform over the corridor.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Consumed by one uniform number.
-    """
+    """Draw the first state of an episode: the location is one uniform number from ``rng``."""
     return CorridorState(rng.random())

@@ -83,15 +83,9 @@ def game_stage(setup: Setup) -> Stage:
 
 
 def game_frame(batch: Batch, g: int, choice: tuple[int, int] | None = None) -> Frame:
-    """Return a game as it is.
+    """Return game ``g`` of a batch as it is.
 
-    Parameters
-    ----------
-    batch : Batch
-    g : int
-        Number of the game.
-    choice : (int, int), optional
-        The keeper that decided a moment ago, and the receiver of its pass or `NOBODY`.
+    ``choice`` is the keeper that decided a moment ago, and the receiver of its pass or `NOBODY`.
     """
     setup, games = batch.setup, batch.games
     players, ball, counters = games.players[g], games.ball[g], games.counters[g]

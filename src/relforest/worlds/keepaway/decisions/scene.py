@@ -92,16 +92,10 @@ def blank_scenes(games: int, keepers: int, takers: int) -> Scenes:
 
 
 def decision(matrix: NDArray[np.float64], actor: int, receivers: NDArray[np.int64]) -> Decision:
-    """Return the objects and the actions of a state.
+    """Return the objects (n, 6) and the actions of a state.
 
-    Parameters
-    ----------
-    matrix : (n, 6) float64
-        The objects.
-    actor : int
-        The keeper that has the ball and must decide, or `NOBODY`, which means that no action is available.
-    receivers : (keepers - 1,) int64
-        Its teammates in the order of the actions 1, 2, ...: the nearest to it first.
+    No action is available if the actor is `NOBODY` rather than the keeper that must decide. Receivers are its
+    teammates in the order of the actions 1, 2, ...: the nearest to it first.
     """
     count = 0 if actor == NOBODY else len(receivers) + 1
     arguments = np.full((count, 2), UNBOUND)

@@ -63,16 +63,9 @@ class Seen(NamedTuple):
 
 @final
 class Batch:
-    """Games with the same rules, each waiting for a decision or at its end.
+    """Games with the same rules, each waiting for a decision or at its end; `begin` them first.
 
-    Parameters
-    ----------
-    setup : Setup
-        What the games have in common.
-    n_games : int
-        Number of games; `begin` them first.
-    n_threads : int
-        Number of threads, each of which plays a share of the games; it does not affect the results.
+    Each thread plays a share of the games; how many there are does not affect the results.
     """
 
     def __init__(self, setup: Setup, n_games: int, n_threads: int = 1) -> None:
@@ -126,12 +119,7 @@ class Batch:
     ) -> None:
         """Begin an episode in each game: a new game where there is a seed, else the next of the same game.
 
-        ``watch`` is called as by `play`.
-
-        Raises
-        ------
-        InputError
-            If episode after episode ends before any keeper has the ball.
+        ``watch`` is called and errors are raised as by `play`.
         """
         codes = np.full(len(self), RESTART)
         for g, seed in enumerate(seeds):

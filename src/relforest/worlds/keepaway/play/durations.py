@@ -145,22 +145,8 @@ def play_episodes(
 ) -> Played:
     """Play keepaway and count what happens.
 
-    Parameters
-    ----------
-    policy, episodes, seed, n_jobs
-        As for `episode_durations`.
-    options : KeepawayOptions, optional
-        The rules; the default is three keepers against two takers on 20 m by 20 m.
-
-    Returns
-    -------
-    Played
-
-    Raises
-    ------
-    InputError
-        If an option is out of range, the policy returns an action that does not exist, or an episode does not
-        end within 1 000 000 cycles.
+    Without options, three keepers play against two takers on 20 m by 20 m. All else is as for
+    `episode_durations`, which can set fewer rules.
     """
     if not callable(policy):
         one_of("policy", policy, tuple(POLICIES))

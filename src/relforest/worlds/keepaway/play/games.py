@@ -15,17 +15,8 @@ from relforest.worlds.keepaway.server.referee import place
 def new_games(setup: Setup, seeds: Sequence[np.random.SeedSequence]) -> Games:
     """Begin one game per seed, with all players placed for the first episode.
 
-    Parameters
-    ----------
-    setup : Setup
-        What the games have in common.
-    seeds : sequence of SeedSequence
-        One per game. A game depends only on its own seed, not on the rest of the batch.
-
-    Returns
-    -------
-    Games
-        All players face +x; players and ball stand still.
+    A game depends only on its own seed, not on the rest of the batch. All players face +x; players and ball
+    stand still.
     """
     n_games, n_players = len(seeds), setup.keepers + setup.takers
     games = Games(

@@ -74,14 +74,7 @@ def pursuit_at(work: Work, j: int, path: float) -> Pursuit:
 def cycles_to_point(pursuit: Pursuit, i: int, j: int, most: int) -> int:
     """Estimate how many cycles player ``j`` needs until it has the target in reach, as player ``i`` sees it.
 
-    Parameters
-    ----------
-    pursuit : Pursuit
-        Of player ``j``.
-    i, j : int
-        The observer, and the player.
-    most : int
-        Longer estimates need not be exact: any larger number may be returned for them.
+    Estimates longer than ``most`` need not be exact: any larger number may be returned for them.
     """
     if _within(pursuit):
         return 0
@@ -147,25 +140,10 @@ def _cycles_at_full_power(pursuit: Pursuit) -> int:
 def fastest(work: Work, i: int, team: Team, rivals: Team) -> tuple[int, int]:
     """Find the player of a team that gets to the ball first, as player ``i`` sees it after `line_up`.
 
-    That is the player that can meet the rolling ball in the earliest cycle. If rivals can meet it earlier, it
-    is the player that needs the fewest cycles to the place where they do. Of equally fast players, the one
-    with the highest number is chosen.
-
-    Parameters
-    ----------
-    work : Work
-        Of this cycle.
-    i : int
-        The observer.
-    team : tuple of int
-        Whom to look for.
-    rivals : tuple of int
-        Who may be there before; an empty range for nobody.
-
-    Returns
-    -------
-    tuple
-        The player, and the cycle in which it has the ball, -1 = not by itself.
+    That is the player that can meet the rolling ball in the earliest cycle. If rivals (an empty range for
+    nobody) can meet it earlier, it is the player that needs the fewest cycles to the place where they do. Of
+    equally fast players, the one with the highest number is chosen. Returns it, and the cycle in which it has
+    the ball, -1 = not by itself.
     """
     for cycle in range(_SEARCH + 1):
         first = _first_there(work, i, team, cycle)
@@ -212,14 +190,7 @@ def _nearest_in_time(work: Work, i: int, team: Team, cycle: int) -> int:
 def cycles_to_ball(work: Work, i: int, j: int, earliest: int) -> int:
     """Estimate when player ``j`` has the ball, as player ``i`` sees it after `line_up`.
 
-    Parameters
-    ----------
-    work : Work
-        Of this cycle.
-    i, j : int
-        The observer, and the player.
-    earliest : int
-        A cycle before which the player is known not to have the ball; 1 if nothing is known.
+    It is known not to have the ball before cycle ``earliest``; 1 if nothing is known.
     """
     bvx, bvy = work.balls[i, VX], work.balls[i, VY]
     here = pursuit_at(work, j, 0.0)

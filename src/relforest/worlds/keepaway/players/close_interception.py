@@ -44,21 +44,8 @@ def close_interception(
     """Find a command that has the ball in reach in one or two cycles, if possible without running.
 
     Without an opponent near, the player lets the ball come and turns to the x axis of its own frame; under
-    pressure it dashes to where it touches the ball.
-
-    Parameters
-    ----------
-    approach : Approach
-        Ball and player.
-    body, cosine : float
-        Body direction in degrees, and its cosine.
-    nearest_opponent : float
-        Squared distance between the player and the opponent nearest to it.
-
-    Returns
-    -------
-    tuple
-        Whether there is such a command, and the command.
+    pressure it dashes to where it touches the ball. ``cosine`` is that of its body direction (degrees), and
+    ``nearest_opponent`` a squared distance. Returns whether there is such a command, and the command.
     """
     if approach[0] * approach[0] + approach[1] * approach[1] > _CLOSE_RANGE * _CLOSE_RANGE:
         return False, NO_COMMAND

@@ -88,17 +88,8 @@ def command_towards(pursuit: Pursuit, cycles: int) -> Command:
 def meeting_cycle(approach: Approach, old_x: float, old_y: float) -> int:
     """Find in which cycle the player will meet the ball: the first possible one, or one near the old plan.
 
-    Parameters
-    ----------
-    approach : Approach
-        Ball and player.
-    old_x, old_y : float
-        Where the player planned to meet the ball, in the body frame; NaN for no plan.
-
-    Returns
-    -------
-    int
-        0 to 30; `HORIZON` if the player cannot get the ball.
+    The plan is a point of the body frame; NaN for no plan. Returns 0 to 30; `HORIZON` if the player cannot
+    get the ball.
     """
     speed = math.sqrt(approach[2] * approach[2] + approach[3] * approach[3])
     last_old = _last_near_old_plan(approach, speed, old_x, old_y)

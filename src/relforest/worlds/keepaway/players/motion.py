@@ -98,16 +98,9 @@ def turn_limit(speed: float) -> float:
 
 @kernel
 def dash_power(forward: float, velocity: float, cycles: int) -> float:
-    """Return the power of the dash after which a player rolls to a point in some cycles.
+    """Return the power of the dash after which a player rolls to a point in some cycles; 0 counts as 1.
 
-    Parameters
-    ----------
-    forward : float
-        How far in front of the player the point lies, in metres.
-    velocity : float
-        Forward velocity of the player.
-    cycles : int
-        From now to then; 0 counts as 1.
+    The point lies ``forward`` metres in front of the player, which moves there with ``velocity``.
     """
     speed: float = min(forward * LAUNCH[cycles], PLAYER_SPEED_MAX)
     return min(max((speed - velocity) / DASH_RATE, -POWER_MAX), POWER_MAX)
@@ -142,17 +135,12 @@ def turn_towards(x: float, y: float, speed: float) -> tuple[float, float, bool]:
 
 @kernel
 def steer(pursuit: Pursuit, cycles: int, back: float) -> tuple[bool, float, float]:
-    """Decide how to reach a target in some cycles: by a turn, or by a dash.
+    """Decide how to reach a target in some cycles: whether to turn, and to which point of the body frame.
 
     A player turns if the line along its body would pass the target too far to the side, or if the target lies
     behind it further than ``back`` metres. Lines and distances are those from where the player will have
     rolled by then, in at most four cycles. If one turn is not enough, the target is near and time is short,
     it may turn its back to the target instead.
-
-    Returns
-    -------
-    tuple
-        Whether to turn, and the point of the body frame to turn to.
     """
     tx, ty, vx, vy = pursuit
     roll = roll_factor(vx, vy, min(cycles, 4))

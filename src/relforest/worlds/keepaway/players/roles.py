@@ -24,21 +24,10 @@ from relforest.worlds.keepaway.server.rounding import TIE
 
 @kernel
 def command_keeper(games: Games, g: int, i: int, action: int, setup: Setup, work: Work) -> None:
-    """Let keeper ``i`` choose its command for this cycle.
+    """Let keeper ``i`` choose its command for this cycle, from what the players see; its memory changes too.
 
-    Parameters
-    ----------
-    games : Games
-        Its command and its memory are changed.
-    g, i : int
-        The game, and the keeper.
-    action : int
-        If the keeper has the ball in reach, 0 = hold, a = pass to the a-th nearest teammate, -1 = what it did
-        last. Otherwise it goes for the ball if it is the fastest keeper, and else gets open.
-    setup : Setup
-        What the games have in common.
-    work : Work
-        What the players see.
+    If it has the ball in reach, it follows the action: 0 = hold, a = pass to the a-th nearest teammate, -1 =
+    what it did last. Otherwise it goes for the ball if it is the fastest keeper, and else gets open.
     """
     if in_reach(work, i):
         chosen = action if action >= 0 else int(games.memory[g, i, LAST_ACTION])

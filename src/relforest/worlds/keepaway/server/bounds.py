@@ -52,21 +52,11 @@ _NEAR_TOUCH: Final = 0.05
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Steps:
-    """Recorded cycles: states, the commands chosen in them, and the states one cycle later.
+    """Recorded cycles: states, the commands chosen in them, and the states one cycle later."""
 
-    Parameters
-    ----------
-    ball, next_ball : (s, 4) float64
-        x, y, vx, vy.
-    players, next_players : (s, n, 5) float64
-        x, y, vx, vy, body.
-    commands : (s, n, 3) int64
-        Kind, power or moment, direction.
-    """
-
-    ball: Floats
-    players: Floats
-    commands: NDArray[np.int64]
+    ball: Floats  # (s, 4): x, y, vx, vy
+    players: Floats  # (s, n, 5): x, y, vx, vy, body
+    commands: NDArray[np.int64]  # (s, n, 3): kind, power or moment, direction
     next_ball: Floats
     next_players: Floats
 

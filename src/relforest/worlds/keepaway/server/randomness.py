@@ -26,18 +26,7 @@ _SCALE: Final = 1.0 / (_M1 + 1.0)
 
 
 def stream_states(seeds: Sequence[np.random.SeedSequence]) -> NDArray[np.int64]:
-    """Return the first state of each seed's stream.
-
-    Parameters
-    ----------
-    seeds : sequence of SeedSequence
-        One per game.
-
-    Returns
-    -------
-    (G, 6) int64
-        Three numbers from 1 to m1 - 1, then three from 1 to m2 - 1, for every game.
-    """
+    """Return each seed's first state, (G, 6): three numbers from 1 to m1 - 1, then three from 1 to m2 - 1."""
     moduli = np.array([_M1 - 1] * 3 + [_M2 - 1] * 3, dtype=np.uint64)
     states = np.empty((len(seeds), 6), dtype=np.int64)
     for row, seed in zip(states, seeds, strict=True):
