@@ -78,7 +78,7 @@ def test_the_data_are_the_recording() -> None:
     assert (track["looks"], track["trail"]) == ([[0, track["looks"][0][1]]], "disc")
     assert shapes[0] == {
         "kind": "circle",
-        "center": [0.0, 0.0],
+        "centre": [0.0, 0.0],
         "radius": 0.5,
         "fill": "disc",
         "edge": "ink",

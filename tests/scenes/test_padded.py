@@ -98,7 +98,7 @@ def test_padded_arrays_give_the_same_scenes_back(scenes: Scenes) -> None:
         (
             observation(color=np.zeros((2, 3))),
             PLANE,
-            "'colour' is not in the schema, which has 'location', 'w",
+            "'color' is not in the schema, which has 'location', 'w",
         ),
         (observation(weight=np.zeros((2, 3, 4))), PLANE, "'weight' has 4 components, but the dim is 1"),
         ({"mask": [[1]], "weight": [[1]]}, PLANE, "array of attribute 'location' is missing"),

@@ -199,7 +199,7 @@ class SMRFForestClassifier(SceneClassifier, _Forest):
     >>> print(model.describe(most=1))
     Score of class True: the sum of 4 trees with 5 questions
     The 1 that gain most: share of the gain, what a yes / a no adds, question
-    27.8 %  +0.250 / +0.000  there are A and B such that B is between 0.414 and 3.07 from A
+    27.8 %  +0.250 / +0.000  there are A and B such that B is within 3.07 of A
     """
 
     def _wanted(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> Wanted:

@@ -225,7 +225,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     >>> model = SMRFTreeClassifier(random_state=0).fit(scenes, close)
     >>> print(model.tree_)
     SMRF tree with 1 question and 3 leaves
-    there are A and B such that B is between 0.068 and 3.07 from A
+    there are A and B such that B is within 3.07 of A
         yes: 1.00  (36 of 36 scenes positive)
         no: 0.00  (0 of 24 scenes positive)
     """
@@ -302,7 +302,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     >>> model = SMRFTreeRegressor(alpha=1e-4, random_state=0).fit(scenes, y)
     >>> print(model.tree_)
     SMRF tree with 1 question and 3 leaves
-    there is an A with weight between 8.03 and 10.14
+    there is an A with weight at least 8.03
         yes: mean 5.99  (deviation 0.116, 39 scenes)
         no: mean 4.98  (deviation 0.0871, 21 scenes)
     """
