@@ -56,10 +56,10 @@ def curves(agent: SMRFRPI) -> Curves:
     x = np.linspace(0.0, 1.0, _N_X)
     value = agent.value_
     grids = [_grid(x, schema) for schema in action_schemas(value.schema, value.action_types)]
-    q_values = np.array([value.scene_values(kind, grid) for kind, grid in enumerate(grids)])
+    q_values = np.array([value.scene_values(number, grid) for number, grid in enumerate(grids)])
     bands = tuple(
-        LeafBand(kind, query(tree, grids[kind]).leaf)
-        for kind, trees in enumerate(value.forests)
+        LeafBand(number, query(tree, grids[number]).leaf)
+        for number, trees in enumerate(value.forests)
         for tree in trees
     )
     return Curves(x, q_values, bands, _errors(agent))

@@ -83,9 +83,9 @@ class RunConfig:
             one_of("features", self.features, FEATURE_MODES)
         if self.discount is not None:
             in_range("discount", self.discount, 0.0, 1.0)
-        for name, kind in (("rpi", RPISettings), ("sarsa", SarsaSettings)):
-            if not isinstance(getattr(self, name), kind | None):
-                raise InputError(f"{name} must be {kind.__name__}(...), got {getattr(self, name)!r}")
+        for name, expected in (("rpi", RPISettings), ("sarsa", SarsaSettings)):
+            if not isinstance(getattr(self, name), expected | None):
+                raise InputError(f"{name} must be {expected.__name__}(...), got {getattr(self, name)!r}")
         one_of("method", self.method, METHODS)
         one_of(f"the method for {self.task}", self.method, tuple(self.definition.pictures))
         foreign = ("sarsa",) if self.is_relational else ("features", "rpi", "discount")

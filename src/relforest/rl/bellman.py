@@ -91,8 +91,8 @@ def error_labels(errors: FloatArray, types: IntArray) -> BoolArray:
     Palmer (2015), section 6.3.
     """
     labels = np.zeros(len(errors), dtype=np.bool_)
-    for kind in np.unique(types):
-        own = types == kind
+    for number in np.unique(types):
+        own = types == number
         # Rounding may put the mean of equal errors just below them.
         labels[own] = (errors[own] > errors[own].mean()) & (errors[own] > errors[own].min())
     return labels

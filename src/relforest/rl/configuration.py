@@ -66,9 +66,10 @@ def check_world(value: ValueFunction, env: Environment) -> None:
             f"{world.schema.names}: use a world with the same attributes"
         )
     if tuple(world.action_types) != value.action_types:
+        there, here = ([known.name for known in types] for types in (value.action_types, world.action_types))
         raise InputError(
-            f"the agent knows the action types {[kind.name for kind in value.action_types]}, but {name} has "
-            f"{[kind.name for kind in world.action_types]}: names and parameters must be the same"
+            f"the agent knows the action types {there}, but {name} has {here}: names and parameters must be "
+            "the same"
         )
 
 

@@ -86,8 +86,8 @@ class Experience:
     episode_durations: FloatArray
 
     def __post_init__(self) -> None:
-        for name, (kind, ndim) in _LAYOUT.items():
-            object.__setattr__(self, name, _column(name, getattr(self, name), kind, ndim))
+        for name, (dtype, ndim) in _LAYOUT.items():
+            object.__setattr__(self, name, _column(name, getattr(self, name), dtype, ndim))
         _check_offsets("objects", self.objects, len(self.matrix))
         _check_offsets("candidates", self.candidates, len(self.types))
         _check_lengths(self)
@@ -198,11 +198,11 @@ def _shifts(sizes: Sequence[int]) -> list[int]:
     return [sum(sizes[:i]) for i in range(len(sizes))]
 
 
-def _column(name: str, values: NDArray[Any], kind: type[Any], ndim: int) -> NDArray[Any]:
+def _column(name: str, values: NDArray[Any], dtype: type[Any], ndim: int) -> NDArray[Any]:
     array = np.asarray(values)
-    if array.dtype != kind or array.ndim != ndim:
+    if array.dtype != dtype or array.ndim != ndim:
         raise InputError(
-            f"{name} must be a {ndim}-dimensional array of {np.dtype(kind)}, "
+            f"{name} must be a {ndim}-dimensional array of {np.dtype(dtype)}, "
             f"got {array.ndim} dimensions of {array.dtype}"
         )
     view = np.ascontiguousarray(array).view()

@@ -178,7 +178,7 @@ def _experience(number: int) -> str:
 
 def _read_batch(path: Path, value: ValueFunction) -> Experience:
     batch = Experience.from_arrays(read_npz(path, COLUMNS, optional=OPTIONAL_COLUMNS), origin=str(path))
-    arity = max((kind.arity for kind in value.action_types), default=0)
+    arity = max((action_type.arity for action_type in value.action_types), default=0)
     fits = batch.matrix.shape[1] == value.schema.width and batch.arguments.shape[1] == arity
     if not fits or batch.types.max(initial=0) >= len(value.action_types):
         raise ModelFormatError(f"{path} belongs to a different world than the checkpoint beside it")

@@ -46,7 +46,7 @@ class LSTDQ:
         self._transitions = transitions
         self._max_condition = max_condition
         self._widths = [phi.shape[1] for phi in features]
-        self._owners = [np.flatnonzero(transitions.types == kind) for kind in range(len(features))]
+        self._owners = [np.flatnonzero(transitions.types == number) for number in range(len(features))]
         taken = [phi[transitions.rows[own]] for phi, own in zip(features, self._owners, strict=True)]
         self._used = [np.flatnonzero(phi.any(axis=0)) for phi in taken]
         self._features = [phi.take(used, axis=1) for phi, used in zip(features, self._used, strict=True)]
@@ -72,8 +72,8 @@ class LSTDQ:
         next_types[follows] = transitions.next_types[chosen[follows]]
         matrix = self._gram.copy()
         for block, phi, own in zip(self._blocks, self._taken, self._owners, strict=True):
-            for kind, (next_block, table) in enumerate(zip(self._blocks, self._features, strict=True)):
-                here = np.flatnonzero(next_types[own] == kind)
+            for number, (next_block, table) in enumerate(zip(self._blocks, self._features, strict=True)):
+                here = np.flatnonzero(next_types[own] == number)
                 moved = own[here]
                 following = table[transitions.next_rows[chosen[moved]]]
                 following *= transitions.discounts[moved, None]

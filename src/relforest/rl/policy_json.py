@@ -45,8 +45,15 @@ TreeNames = tuple[tuple[str, ...], ...]
 def describe(value: ValueFunction, tree_names: TreeNames) -> dict[str, Any]:
     """Return the description of a policy, without trees and weights, as plain JSON values."""
     actions = [
-        {"name": kind.name, "parameters": list(kind.parameters), "weights": slug, "trees": list(names)}
-        for kind, slug, names in zip(value.action_types, slugs(value.action_types), tree_names, strict=True)
+        {
+            "name": action_type.name,
+            "parameters": list(action_type.parameters),
+            "weights": slug,
+            "trees": list(names),
+        }
+        for action_type, slug, names in zip(
+            value.action_types, slugs(value.action_types), tree_names, strict=True
+        )
     ]
     return {"schema": value.schema.to_dict(), "features": value.features, "actions": actions}
 
@@ -108,7 +115,7 @@ def tree_name(iteration: int, slug: str, number: int) -> str:
 
 def slugs(action_types: Sequence[ActionType]) -> tuple[str, ...]:
     """Return names of action types that are safe and distinct as file names on any file system."""
-    plain = [re.sub(r"[^A-Za-z0-9_]+", "_", kind.name) for kind in action_types]
+    plain = [re.sub(r"[^A-Za-z0-9_]+", "_", action_type.name) for action_type in action_types]
     lower = [name.lower() for name in plain]
     return tuple(
         name if lower.count(name.lower()) == 1 and name != "iteration" else f"{name}-{number}"

@@ -125,7 +125,7 @@ def experience_of(
     totals: Sequence[tuple[float, float]],
 ) -> Experience:
     """Return what happened in columns; the state after a step is the next one noted."""
-    arity = max((kind.arity for kind in world.action_types), default=0)
+    arity = max((action_type.arity for action_type in world.action_types), default=0)
     columns: list[tuple[Any, ...]] = list(zip(*steps, strict=True)) or [()] * 6
     states, positions, rewards, durations, terminal, truncated = columns
     candidates = _offsets([len(decision) for decision in decisions])

@@ -138,11 +138,11 @@ def _candidates(now: _Round, seed: np.random.SeedSequence, n_jobs: int) -> list[
     """Learn and test the candidates of one round; those of each action type in the order of the attempts."""
     latest, n_types = now.samples.latest, len(now.tables)
     tasks = []
-    for kind in range(n_types):
-        own = np.flatnonzero(latest.types == kind)
+    for number in range(n_types):
+        own = np.flatnonzero(latest.types == number)
         if now.labels[own].any():
             attempts = range(now.settings.n_candidates)
-            tasks += [(now, kind, own, attempt, stream(seed, kind, attempt)) for attempt in attempts]
+            tasks += [(now, number, own, attempt, stream(seed, number, attempt)) for attempt in attempts]
     named = [(f"tree {number} of {len(tasks)}", *task) for number, task in enumerate(tasks, 1)]
     found = run_tasks(_candidate, named, n_jobs=n_jobs, prefer="threads")
     candidates: list[list[Candidate]] = [[] for _ in range(n_types)]
@@ -153,10 +153,10 @@ def _candidates(now: _Round, seed: np.random.SeedSequence, n_jobs: int) -> list[
 
 
 def _candidate(
-    name: str, now: _Round, kind: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
+    name: str, now: _Round, number: int, own: IntArray, attempt: int, seed: np.random.SeedSequence
 ) -> Candidate | None:
     """Learn one tree on a random part of the latest batch and test it; None for a stub."""
-    settings, scenes = now.settings, now.samples.scenes[kind]
+    settings, scenes = now.settings, now.samples.scenes[number]
     count = min(settings.max_scenes, len(own))
     drawn = generator(stream(seed, _SCENES)).choice(own, count, replace=False)
     labels = now.labels[drawn] if attempt < settings.trees_per_label else ~now.labels[drawn]
@@ -173,13 +173,13 @@ def _candidate(
             return None
         report("testing the tree")
         columns = tree_features(growth.tree, query(growth.tree, scenes), settings.features)
-        return Candidate(growth, columns, _tested(now, kind, columns) if settings.wrapper else None)
+        return Candidate(growth, columns, _tested(now, number, columns) if settings.wrapper else None)
 
 
-def _tested(now: _Round, kind: int, columns: FloatArray) -> Fit:
+def _tested(now: _Round, number: int, columns: FloatArray) -> Fit:
     """Learn a policy with the columns of one more tree (the wrapper of section 6.3)."""
     tables = list(now.tables)
-    tables[kind] = np.hstack([tables[kind], columns])
+    tables[number] = np.hstack([tables[number], columns])
     start = _widened(now.policy.weights, tables)
     result = lspi(tables, now.samples.lspi, start, settings=now.settings.lspi)
     return fit_of(result.lookahead, result.n_features)

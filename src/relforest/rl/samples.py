@@ -112,7 +112,7 @@ def draw_samples(
     ends = pool.terminal if bootstrap_on_truncation else pool.terminal | pool.truncated
     discounts = np.where(ends, 0.0, discount**pool.durations)
     needed = _needed_candidates(pool, np.union1d(chosen, latest), discounts)
-    tables = [np.flatnonzero(needed & (pool.types == kind)) for kind in range(len(schemas))]
+    tables = [np.flatnonzero(needed & (pool.types == number)) for number in range(len(schemas))]
     row_of = np.full(len(pool.types), -1)
     for table in tables:
         row_of[table] = np.arange(len(table))

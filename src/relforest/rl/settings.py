@@ -115,9 +115,9 @@ class RPISettings:
         for name in ("bootstrap_on_truncation", "wrapper"):
             if not isinstance(getattr(self, name), bool):
                 raise InputError(f"{name} must be True or False, got {getattr(self, name)!r}")
-        for name, kind in (("lspi", LSPISettings), ("tree", TreeSettings)):
-            if not isinstance(getattr(self, name), kind):
-                raise InputError(f"{name} must be {kind.__name__}(...), got {getattr(self, name)!r}")
+        for name, cls in (("lspi", LSPISettings), ("tree", TreeSettings)):
+            if not isinstance(getattr(self, name), cls):
+                raise InputError(f"{name} must be {cls.__name__}(...), got {getattr(self, name)!r}")
 
     @property
     def n_candidates(self) -> int:
@@ -152,19 +152,19 @@ class RPISettings:
         return _read(cls, document)
 
 
-def _read(kind: type[Options], document: object) -> Options:
+def _read(cls: type[Options], document: object) -> Options:
     """Build a dataclass of options, and those nested in it, from plain values."""
-    names = {entry.name for entry in fields(kind)}
+    names = {entry.name for entry in fields(cls)}
     if not isinstance(document, Mapping) or set(document) != names:
         raise ModelFormatError(
-            f"malformed {kind.__name__}: expected {', '.join(sorted(names))}, got {document!r:.200}"
+            f"malformed {cls.__name__}: expected {', '.join(sorted(names))}, got {document!r:.200}"
         )
-    hints = get_type_hints(kind)
+    hints = get_type_hints(cls)
     values = {
         name: _read(hints[name], value) if is_dataclass(hints[name]) else value
         for name, value in document.items()
     }
     try:
-        return kind(**values)
+        return cls(**values)
     except (InputError, TypeError) as error:
-        raise ModelFormatError(f"malformed {kind.__name__}: {error}") from error
+        raise ModelFormatError(f"malformed {cls.__name__}: {error}") from error

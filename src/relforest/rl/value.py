@@ -68,8 +68,8 @@ class ValueFunction:
                 f"each of the {len(self.action_types)} action types needs a forest and a weight vector, "
                 f"got {len(self.forests)} and {len(self.weights)}"
             )
-        for kind, schema in enumerate(action_schemas(self.schema, self.action_types)):
-            self._check_forest(kind, schema)
+        for number, schema in enumerate(action_schemas(self.schema, self.action_types)):
+            self._check_forest(number, schema)
         packed = [
             _pack_forest(trees, weights, self.features)
             for trees, weights in zip(self.forests, self.weights, strict=True)
@@ -101,8 +101,8 @@ class ValueFunction:
         values = np.empty(len(decision))
         # Private objects are bound by the actions that see them, so they need not be searched.
         shared = np.arange(decision.n_shared)
-        for kind, (forest, action_type) in enumerate(zip(self._packed, self.action_types, strict=True)):
-            chosen = np.flatnonzero(decision.types == kind)
+        for number, (forest, action_type) in enumerate(zip(self._packed, self.action_types, strict=True)):
+            chosen = np.flatnonzero(decision.types == number)
             if not len(chosen):
                 continue
             out = np.empty(len(chosen))
@@ -114,13 +114,15 @@ class ValueFunction:
             values[chosen] = out
         return values
 
-    def scene_values(self, kind: int, scenes: Scenes) -> FloatArray:
+    def scene_values(self, number: int, scenes: Scenes) -> FloatArray:
         """Return Q of each scene of one action type, shape (n_scenes,), using features."""
-        values: FloatArray = forest_features(self.forests[kind], scenes, self.features) @ self.weights[kind]
+        values: FloatArray = (
+            forest_features(self.forests[number], scenes, self.features) @ self.weights[number]
+        )
         return values
 
-    def _check_forest(self, kind: int, schema: Schema) -> None:
-        trees, weights, name = self.forests[kind], self.weights[kind], self.action_types[kind].name
+    def _check_forest(self, number: int, schema: Schema) -> None:
+        trees, weights, name = self.forests[number], self.weights[number], self.action_types[number].name
         if any(tree.schema != schema for tree in trees):
             raise InputError(
                 f"a tree of action type {name!r} is for scenes with a schema other than {schema}"
