@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from relforest.mappings.kernels import wrap_angle
 from relforest.support.jit import inlined
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ NEAR_ANGLE: Final = 5
 IS: Final = 6
 IS_NOT: Final = 7
 
-_TURN: Final = 2.0 * math.pi
-
 
 @inlined
 def value(statement: NDArray[np.float64], x: float, y: float) -> float:
@@ -44,7 +43,7 @@ def value(statement: NDArray[np.float64], x: float, y: float) -> float:
     elif kind >= NEAR:
         away = x - statement[CENTRE]
         if kind == NEAR_ANGLE:
-            away -= _TURN * np.rint(away / _TURN)
+            away = wrap_angle(away)
         result = statement[WEIGHT] * away * away
         away = y - statement[CENTRE + 1]
         result += statement[WEIGHT + 1] * away * away

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.mappings.kernels import wrap_angle
 from relforest.support.jit import kernel
 from relforest.volumes.bag_layout import SlotMajor
 
@@ -16,7 +16,6 @@ CIRCLE: Final = 1
 DIAGONAL: Final = 2  # Euclidean, with matrices that are diagonal
 
 _TILE: Final = 64
-_TURN: Final = 2.0 * math.pi
 
 
 @kernel
@@ -53,8 +52,7 @@ def _nearest_angles(bags: SlotMajor, centre: float, squared: NDArray[np.float64]
     for slot in range(len(bags.offsets) - 1):
         angles = bags.points[0, bags.offsets[slot] : bags.offsets[slot + 1]]
         for i in range(len(angles)):
-            offset = angles[i] - centre
-            offset -= _TURN * np.rint(offset / _TURN)
+            offset = wrap_angle(angles[i] - centre)
             squared[i] = min(squared[i], offset * offset) + 0.0
 
 
@@ -158,8 +156,7 @@ def nearest_instance(
         column = bags.offsets[slot] + bag
         total = 0.0
         if space == CIRCLE:
-            offset = bags.points[0, column] - centre[0]
-            offset -= _TURN * np.rint(offset / _TURN)
+            offset = wrap_angle(bags.points[0, column] - centre[0])
             total = offset * offset
         else:
             for i in range(dim):
