@@ -12,7 +12,6 @@ import os
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, final
 
@@ -68,8 +67,9 @@ def learn_runs(
     runs = [RunInFolder(config, number, path) for number, path in enumerate(config.folders(folder))]
     with ExitStack() as locks:
         if len(runs) > 1:
-            are_finished = partial(all, [run.is_finished for run in runs])
-            locks.enter_context(held(folder, config.manifest(), is_finished=are_finished))
+            locks.enter_context(
+                held(folder, config.manifest(), is_finished=lambda: all(run.is_finished for run in runs))
+            )
         for run in runs:
             locks.enter_context(run.held())
         learn_in_folders(runs, n_jobs=n_jobs, on_iteration=on_iteration)
@@ -103,30 +103,31 @@ def learn_in_folders(
     on_iteration: OnIteration | None = None,
 ) -> None:
     """Learn or resume runs in folders that the caller holds; see `learn_runs`."""
-    stores = [RunStore(run.folder, run.config.learner(run.number)) for run in runs]
-    before = [store.resume() for store in stores]
-    left = [
-        number
-        for number, (run, progress) in enumerate(zip(runs, before, strict=True))
-        if progress is None or progress.iteration < run.config.iterations
-    ]
-    alone = len(left) == 1
-    if n_jobs != 1 and not alone and left:
-        warm_up(runs[left[0]].config)
+    left: list[tuple[RunInFolder, RunStore[Any]]] = []
+    progress: list[Run[Any] | None] = []
+    for run in runs:
+        store = RunStore(run.folder, run.config.learner(run.number))
+        # Finished runs are restored too, but not kept in memory.
+        before = store.resume()
+        if before is None or before.iteration < run.config.iterations:
+            left.append((run, store))
+            progress.append(before)
+    # Of a single run, candidate trees are learned at the same time.
+    n_threads = n_jobs if len(left) == 1 else 1
+    if n_jobs != 1 and len(left) > 1:
+        warm_up(left[0][0].config)
 
     def commit(task: int, result: tuple[Run[Any], Seconds]) -> _Task | None:
-        (progress, seconds), run = result, runs[left[task]]
-        stores[left[task]].write(progress, seconds)
+        (run, store), (after, seconds) = left[task], result
+        store.write(after, seconds)
         if on_iteration is not None:
-            on_iteration(run.number, dict(progress.metrics[-1]), seconds)
-        return None if progress.iteration >= run.config.iterations else task_of(run, progress)
-
-    def task_of(run: RunInFolder, progress: Run[Any] | None) -> _Task:
-        return run.config, run.number, progress, n_jobs if alone else 1
+            on_iteration(run.number, dict(after.metrics[-1]), seconds)
+        is_finished = after.iteration >= run.config.iterations
+        return None if is_finished else (run.config, run.number, after, n_threads)
 
     run_tasks(
         _advance,
-        [task_of(runs[number], before[number]) for number in left],
+        [(run.config, run.number, was, n_threads) for (run, _), was in zip(left, progress, strict=True)],
         n_jobs=n_jobs,
         prefer="processes",
         then=commit,

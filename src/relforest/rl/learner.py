@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Final, final
 
 import numpy as np
 
-from relforest.rl.configuration import describe_run
+from relforest.rl.configuration import check_world, describe_run
 from relforest.rl.experience import COLUMNS, OPTIONAL_COLUMNS, Experience
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
 from relforest.rl.policy_json import (
@@ -166,8 +166,11 @@ class RPILearner:
         ------
         ModelFormatError
             If a file is missing or malformed, or the files do not match.
+        InputError
+            If they are of another world.
         """
         value, names = policy_of(document, folder)
+        check_world(value, self.env)
         batches = tuple(_read_batch(folder / _experience(i), value) for i in range(1, number + 1))
         return Knowledge(value, names, batches)
 

@@ -264,7 +264,6 @@ class SMRFRPI:
         agent = cls(env, settings=settings, random_state=seed)
         agent._learner = replace(agent._learner, episodes=episodes[0], test_episodes=episodes[1])
         agent._run = read_run(agent._learner, checkpoint, folder)
-        check_world(agent.value_, env)
         return agent
 
     def _advance(
