@@ -59,11 +59,11 @@ def keepaway(keepers: int, takers: int, size: float) -> Iterator[Problem]:
     experience = rollout(env, RandomPolicy(), EPISODES, np.random.SeedSequence(0))
     world, returns = world_of(env), returns_of(experience)
     types = experience.types[experience.actions]
-    for code, kind in enumerate(world.action_types):
+    for code, action_type in enumerate(world.action_types):
         own = np.flatnonzero(types == code)
-        schema = Schema(world.schema.attributes, kind.parameters)
+        schema = Schema(world.schema.attributes, action_type.parameters)
         scenes = action_scenes(experience, experience.actions[own], schema)
-        name = f"keepaway {keepers}v{takers}, {kind.name}"
+        name = f"keepaway {keepers}v{takers}, {action_type.name}"
         yield Problem(name, scenes, returns[own] > np.median(returns[own]), TRAINED)
 
 

@@ -80,14 +80,14 @@ def _problem(rng: np.random.Generator, n: int, width: int) -> tuple[list[NDArray
     """Draw transitions in a row; in every state each type of action is offered `OFFERED` times."""
     tables = [(rng.random((n * OFFERED, width)) < 0.1).astype(float) for _ in range(TYPES)]
     states = np.repeat(np.arange(1, n + 1) % n, TYPES * OFFERED)
-    kinds = np.tile(np.repeat(np.arange(TYPES), OFFERED), n)
+    types = np.tile(np.repeat(np.arange(TYPES), OFFERED), n)
     transitions = Transitions(
         types=rng.integers(TYPES, size=n),
         rows=np.arange(n) * OFFERED,
         rewards=rng.standard_normal(n),
         discounts=np.full(n, DISCOUNT),
         next_starts=np.arange(n + 1) * TYPES * OFFERED,
-        next_types=kinds,
+        next_types=types,
         next_rows=states * OFFERED + np.tile(np.arange(OFFERED), n * TYPES),
     )
     return tables, transitions
@@ -103,16 +103,16 @@ def _dense(
     """Evaluate as many policies with one feature vector over all types of action, as in the source."""
     width, n = features[0].shape[1], len(transitions)
     now, following = np.zeros((n, TYPES * width)), np.zeros((n, TYPES * width))
-    for kind in range(TYPES):
-        own = np.flatnonzero(transitions.types == kind)
-        now[own, kind * width : (kind + 1) * width] = features[kind][transitions.rows[own]]
+    for code in range(TYPES):
+        own = np.flatnonzero(transitions.types == code)
+        now[own, code * width : (code + 1) * width] = features[code][transitions.rows[own]]
     for _ in range(policies):
         chosen = look_ahead(features, weights, transitions).chosen
         following[:] = 0.0
-        for kind in range(TYPES):
-            own = np.flatnonzero(transitions.next_types[chosen] == kind)
-            block = features[kind][transitions.next_rows[chosen[own]]]
-            following[own, kind * width : (kind + 1) * width] = transitions.discounts[own, None] * block
+        for code in range(TYPES):
+            own = np.flatnonzero(transitions.next_types[chosen] == code)
+            block = features[code][transitions.next_rows[chosen[own]]]
+            following[own, code * width : (code + 1) * width] = transitions.discounts[own, None] * block
         matrix = well_conditioned(now.T @ (now - following), settings.max_condition)
         solution = np.linalg.solve(matrix, now.T @ transitions.rewards)
         weights = tuple(np.split(solution, TYPES))

@@ -1,4 +1,4 @@
-"""Scenes, statements and conditions of every kind, at random, and what they mean, one choice at a time."""
+"""Scenes, statements and conditions of every form, at random, and what they mean, one choice at a time."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ATTRIBUTES = (
 def random_scenes(
     rng: np.random.Generator, n_scenes: int, n_parameters: int, most: int = 5, undefined: float = 0.1
 ) -> Scenes:
-    """Scenes of 0 to `most` objects with all kinds of attributes; few different values, so that some tie."""
+    """Scenes of 0 to `most` objects with attributes of all kinds; few different values, so that some tie."""
     schema = Schema(ATTRIBUTES, ["passer", "receiver"][:n_parameters])
     counts = rng.integers(0, most + 1, n_scenes)
     starts = np.cumsum(counts) - counts
@@ -45,7 +45,7 @@ def random_scenes(
 
 
 def random_condition(rng: np.random.Generator, n_parameters: int) -> Condition:
-    """A condition of any kind."""
+    """A condition of any form."""
     n_free = int(rng.integers(0 if n_parameters else 1, 3))
     statements = tuple(random_statement(rng, n_parameters + n_free) for _ in range(int(rng.integers(1, 4))))
     if n_free == 2 and rng.random() < 0.3:

@@ -266,13 +266,15 @@ def _near(number: float, rng: np.random.Generator) -> float:
 
 def _npy(rng: np.random.Generator) -> bytes:
     """Return the bytes of an array of any type, shape and numbers."""
-    kinds = ["f8", ">f8", "f4", "f2", "i8", "i4", "u1", "?", "c16", "U3", "M8[s]", "S2", "i4,f8"]
-    kind = kinds[int(rng.integers(len(kinds)))]
+    dtypes = ["f8", ">f8", "f4", "f2", "i8", "i4", "u1", "?", "c16", "U3", "M8[s]", "S2", "i4,f8"]
+    dtype = dtypes[int(rng.integers(len(dtypes)))]
     shape = tuple(rng.integers(0, 5, size=int(rng.integers(4))).tolist())
-    array = np.zeros(shape, dtype=kind)
-    if kind in {"f8", "i8"} and array.size:
-        choices = [0, 1, -1, 3, 2**62, -(2**63)] if kind == "i8" else [0.0, -1.0, np.nan, np.inf, 1e300, 1e30]
-        array[...] = np.array(choices, dtype=kind)[rng.integers(len(choices), size=shape)]
+    array = np.zeros(shape, dtype=dtype)
+    if dtype in {"f8", "i8"} and array.size:
+        choices = (
+            [0, 1, -1, 3, 2**62, -(2**63)] if dtype == "i8" else [0.0, -1.0, np.nan, np.inf, 1e300, 1e30]
+        )
+        array[...] = np.array(choices, dtype=dtype)[rng.integers(len(choices), size=shape)]
     buffer = io.BytesIO()
     np.lib.format.write_array(buffer, array, allow_pickle=False)
     return buffer.getvalue()

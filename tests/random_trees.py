@@ -1,4 +1,4 @@
-"""Random trees that ask all kinds of questions, and scenes for them."""
+"""Random trees that ask questions of all mappings, and scenes for them."""
 
 from __future__ import annotations
 

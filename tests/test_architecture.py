@@ -29,11 +29,11 @@ VALUE_BASES = {"Enum", "IntEnum", "NamedTuple", "StrEnum", "TypedDict"}
 Node = TypeVar("Node", bound=ast.AST)
 
 
-def each(*kinds: type[Node]) -> Iterator[tuple[str, Node]]:
-    """Yield every node of these kinds in the source, with the place it stands in."""
+def each(*types: type[Node]) -> Iterator[tuple[str, Node]]:
+    """Yield every node of these types in the source, with the place it stands in."""
     for name, tree in TREES.items():
         for node in ast.walk(tree):
-            if isinstance(node, kinds):
+            if isinstance(node, types):
                 yield f"{name}:{getattr(node, 'lineno', 0)}", node
 
 

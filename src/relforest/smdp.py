@@ -43,7 +43,7 @@ UNBOUND = -1
 @final
 @dataclass(frozen=True, slots=True)
 class ActionType:
-    """A kind of action, with named parameters that objects are bound to.
+    """A type of action, with named parameters that objects are bound to.
 
     Parameters
     ----------

@@ -16,18 +16,20 @@ from relforest.models import read_model
 SMALL = {"boosting": ("--trees", "30"), "forest": ("--trees", "5"), "rules": ("--trees", "5")}
 
 
-@pytest.mark.parametrize("kind", SMALL)
+@pytest.mark.parametrize("family", SMALL)
 def test_an_ensemble_is_learned_told_and_applied(
-    run: CommandLine, table: Path, tmp_path: Path, kind: str
+    run: CommandLine, table: Path, tmp_path: Path, family: str
 ) -> None:
     out = tmp_path / "model.json"
-    told = run("fit", table, *COLUMNS, "--label", "completed", "--model", kind, *SMALL[kind], "--out", out)
+    told = run(
+        "fit", table, *COLUMNS, "--label", "completed", "--model", family, *SMALL[family], "--out", out
+    )
     model = read_model(out)
     predicted = run("predict", out, table)
     rows = list(csv.DictReader(io.StringIO(predicted.out)))
 
     assert (told.code, predicted.code) == (0, 0)
-    assert model.kind == kind
+    assert model.family == family
     assert told.out.startswith(f"{model.text}\n")
     assert "some object has extent at least 0.4" in told.out
     assert run("show", out).out == f"{model.text}\n"
@@ -45,7 +47,7 @@ def test_a_forest_of_smrf_trees_is_learned_told_and_applied(
     rows = list(csv.DictReader(io.StringIO(run("predict", out, table).out)))
 
     assert told.code == 0
-    assert (model.kind, model.learned.weights.tolist()) == ("forest", [0.25, -0.25] * 2)  # type: ignore[union-attr]
+    assert (model.family, model.learned.weights.tolist()) == ("forest", [0.25, -0.25] * 2)  # type: ignore[union-attr]
     assert told.out.startswith(f"{model.text}\n")
     assert "extent" in told.out
     assert run("show", out).out == f"{model.text}\n"
@@ -75,9 +77,9 @@ def test_categories_are_learned_from_and_matched_by_name(run: CommandLine, tmp_p
     teams = ["red" if x > 0.4 else "blue" for x in frame["x"].to_pylist()]
     columns = ("--scene", "pass", "--object", "player", "--attribute", "team=team:category")
     table = write(frame.append_column("team", [teams]), tmp_path / "teams.csv")
-    for kind in ("tree", "boosting"):
-        out = tmp_path / f"{kind}.json"
-        outcome = run("fit", table, *columns, "--label", "completed", "--model", kind, "--out", out)
+    for family in ("tree", "boosting"):
+        out = tmp_path / f"{family}.json"
+        outcome = run("fit", table, *columns, "--label", "completed", "--model", family, "--out", out)
 
         assert outcome.code == 0
         assert "team red" in outcome.out

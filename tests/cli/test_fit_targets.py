@@ -40,12 +40,12 @@ def rows_of(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
-@pytest.mark.parametrize("kind", SMALL)
+@pytest.mark.parametrize("family", SMALL)
 def test_several_classes_are_learned_told_and_predicted(
-    run: CommandLine, targets: Path, tmp_path: Path, kind: str
+    run: CommandLine, targets: Path, tmp_path: Path, family: str
 ) -> None:
     out, many = tmp_path / "model.json", tmp_path / "all.parquet"
-    told = run("fit", targets, *COLUMNS, "--label", "where", "--model", kind, *SMALL[kind], "--out", out)
+    told = run("fit", targets, *COLUMNS, "--label", "where", "--model", family, *SMALL[family], "--out", out)
     rows = rows_of(run("predict", out, targets).out)
     wrote = run("predict", out, targets, "--out", many)
     found = parquet.read_table(many)
@@ -53,11 +53,11 @@ def test_several_classes_are_learned_told_and_predicted(
     assert (told.code, read_model(out).classes) == (0, CLASSES)
     assert "are of where = far, middle, near, which 14, 13, 13 of 40 scenes have" in told.out
     assert "accuracy on the training scenes: " in told.out
-    assert ("accuracy on them by the trees that did not see them" in told.out) == kind.endswith("forest")
+    assert ("accuracy on them by the trees that did not see them" in told.out) == family.endswith("forest")
     assert run("show", out).out == f"{read_model(out).text}\n"
     assert "where = far, middle, near" in told.out.split("probabilities")[0] or "where = near" in told.out
     assert list(rows[0])[:5] == ["scene", "predicted", *(f"probability_{each}" for each in CLASSES)]
-    assert list(rows[0])[5:] == (["leaf", "witness_A"] if kind == "tree" else [])
+    assert list(rows[0])[5:] == (["leaf", "witness_A"] if family == "tree" else [])
     assert sum(row["predicted"] == CLASSES[number % 3] for number, row in enumerate(rows)) >= 0.6 * N_SCENES
     assert [sum(float(row[f"probability_{each}"]) for each in CLASSES) for row in rows] == pytest.approx(
         [1.0] * N_SCENES, abs=1e-4
@@ -67,12 +67,12 @@ def test_several_classes_are_learned_told_and_predicted(
     assert found["predicted"].to_pylist() == [row["predicted"] for row in rows]
 
 
-@pytest.mark.parametrize("kind", SMALL)
+@pytest.mark.parametrize("family", SMALL)
 def test_numbers_are_learned_told_and_predicted(
-    run: CommandLine, targets: Path, tmp_path: Path, kind: str
+    run: CommandLine, targets: Path, tmp_path: Path, family: str
 ) -> None:
     out, many = tmp_path / "model.json", tmp_path / "all.parquet"
-    told = run("fit", targets, *COLUMNS, "--label", "reach", "--model", kind, *SMALL[kind], "--out", out)
+    told = run("fit", targets, *COLUMNS, "--label", "reach", "--model", family, *SMALL[family], "--out", out)
     rows = rows_of(run("predict", out, targets).out)
     wrote = run("predict", out, targets, "--out", many)
     found = parquet.read_table(many)
@@ -82,9 +82,9 @@ def test_numbers_are_learned_told_and_predicted(
     assert (told.code, read_model(out).classes) == (0, None)
     assert "predictions are of reach, 0.5" in told.out
     assert "R2 on the training scenes: 0." in told.out
-    assert ("R2 on them by the trees that did not see them: 0." in told.out) == kind.endswith("forest")
+    assert ("R2 on them by the trees that did not see them: 0." in told.out) == family.endswith("forest")
     assert run("show", out).out == f"{read_model(out).text}\n"
-    assert list(rows[0]) == ["scene", "prediction", *(("leaf", "witness_A") if kind == "tree" else ())]
+    assert list(rows[0]) == ["scene", "prediction", *(("leaf", "witness_A") if family == "tree" else ())]
     # Of two or three levels, trees of tested questions tell two apart.
     assert ((predicted - reach) ** 2).mean() < 0.4 * reach.var()
     assert wrote.err.startswith(f"wrote {N_SCENES} predictions of reach to")

@@ -36,9 +36,11 @@ def test_the_curves_are_the_values_that_the_agent_acts_on(agent: SMRFRPI) -> Non
 
 def test_the_bands_are_the_deciding_leaves_of_every_tree(agent: SMRFRPI) -> None:
     found = curves(agent)
-    trees = [(kind, tree) for kind, forest in enumerate(agent.value_.forests) for tree in forest]
+    trees = [
+        (action_type, tree) for action_type, forest in enumerate(agent.value_.forests) for tree in forest
+    ]
 
-    assert [band.action for band in found.bands] == [kind for kind, _ in trees]
+    assert [band.action for band in found.bands] == [action_type for action_type, _ in trees]
     for band, (_, tree) in zip(found.bands, trees, strict=True):
         for place in (0, 200, 399):
             state = CorridorState(float(found.x[place]))
@@ -55,11 +57,13 @@ def test_every_training_example_has_its_bellman_error(agent: SMRFRPI) -> None:
             float(batch.matrix[batch.objects[states[number]], 0])
             for states in (batch.states, batch.next_states)
         )
-        kind = int(batch.types[batch.actions[number]])
+        action_type = int(batch.types[batch.actions[number]])
         # r + 0.9 max Q(s', a') - Q(s, a); the limit of 10 steps is no end, so it counts as well.
-        error = batch.rewards[number] + 0.9 * max(values_at(agent, after)) - values_at(agent, before)[kind]
+        error = (
+            batch.rewards[number] + 0.9 * max(values_at(agent, after)) - values_at(agent, before)[action_type]
+        )
         assert found.x[number] == before
-        assert found.actions[number] == kind
+        assert found.actions[number] == action_type
         assert found.errors[number] == pytest.approx(error)
 
 

@@ -12,9 +12,9 @@ from forest_scenes import TEAM, random_scenes
 from relforest.forests import Ensemble, GrowthSettings
 from relforest.forests.bindings import bindings
 from relforest.forests.columns import columns
+from relforest.forests.forms import AT_LEAST, AT_MOST, LARGE, SMALL
 from relforest.forests.growth import grow_tree
 from relforest.forests.kernels import Plan, Search, Targets, best_limit, order_scenes, work_space
-from relforest.forests.kinds import AT_LEAST, AT_MOST, LARGE, SMALL
 from relforest.forests.rows import Choices, allow_all, least_values, restrict
 from relforest.forests.tables import condition_tables
 from relforest.forests.words import sentence
@@ -101,11 +101,11 @@ def test_least_values_are_those_of_the_choices_that_earlier_statements_allow(n_p
     scenes = np.array([1, 4, 5, 9])
     for table in (each.table for each in tables):
         work = work_space(table, scenes, 1)
-        for number, (kind, column) in enumerate(table.bounds[: table.firsts[0]]):
-            statement = np.array([kind, column, -1, 0, 0, 0, 0, 1.0])
+        for number, (form, column) in enumerate(table.bounds[: table.firsts[0]]):
+            statement = np.array([form, column, -1, 0, 0, 0, 0, 1.0])
             earlier = np.array([AT_MOST, 0, -1, 0, 0, 0, 0, 1.0])
-            sign = -1.0 if kind in {AT_LEAST, LARGE} else 1.0
-            values = sign * (np.abs(table.values) if kind in {SMALL, LARGE} else table.values)[column]
+            sign = -1.0 if form in {AT_LEAST, LARGE} else 1.0
+            values = sign * (np.abs(table.values) if form in {SMALL, LARGE} else table.values)[column]
             spans = [slice(table.starts[scene], table.starts[scene + 1]) for scene in scenes]
 
             allow_all(table, scenes, work.inside)

@@ -48,8 +48,8 @@ def test_a_relation_is_found_and_told() -> None:
     assert model.ensemble_.weights.tolist() == pytest.approx([1 / 12, -1 / 12] * 6)
     assert model.ensemble_.start.tolist() == [0.5]
     assert "there is an A with team guest" in model.describe()
-    kinds = {each.question for each in model.importances()[:2]}
-    assert kinds == {"identity(location) of A", "identity(team) of A"}
+    compared = {each.question for each in model.importances()[:2]}
+    assert compared == {"identity(location) of A", "identity(team) of A"}
     assert sum(each.share for each in model.importances()) == pytest.approx(1.0)
 
 

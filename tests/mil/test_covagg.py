@@ -97,7 +97,7 @@ def test_it_learns_the_concept() -> None:
     ("no", "yes"),
     [(0, 1), (-1, 1), (False, True), ("far", "near"), (3, 7), (0.0, 1.0), ("a", "b")],
 )
-def test_labels_of_any_kind(no: Any, yes: Any) -> None:
+def test_labels_of_any_type(no: Any, yes: Any) -> None:
     y = [yes if label else no for label in Y]
     model = fitted(BAGS, y)
 

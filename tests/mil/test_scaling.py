@@ -120,24 +120,24 @@ def test_frames_become_arrays_with_the_columns_of_fit() -> None:
         scaler.transform([frame[["mass"]] for frame in FRAMES])
 
 
-@pytest.mark.parametrize(("library", "kind"), [("pandas", pd.DataFrame), ("polars", pl.DataFrame)])
-def test_set_output_gives_a_frame_for_every_array(library: str, kind: type) -> None:
+@pytest.mark.parametrize(("library", "frame_type"), [("pandas", pd.DataFrame), ("polars", pl.DataFrame)])
+def test_set_output_gives_a_frame_for_every_array(library: str, frame_type: type) -> None:
     scaler = BagScaler(method="minmax").fit(FRAMES)
     expected = as_lists(scaler.transform(FRAMES))
     framed = clone(scaler).set_output(transform=library).fit(FRAMES)
 
     for scaled in (framed.transform(FRAMES), clone(framed).fit_transform(FRAMES)):
-        assert all(isinstance(frame, kind) for frame in scaled)
+        assert all(isinstance(frame, frame_type) for frame in scaled)
         assert [np.asarray(frame).tolist() for frame in scaled] == expected
         assert list(scaled[0].columns) == NAMES
     points, ids = framed.transform((FRAMES[0], ["b", "a"]))
     assert (np.asarray(points).tolist(), ids) == (expected[0], ["b", "a"])
-    assert isinstance(framed.transform(FRAMES[0]), kind)
+    assert isinstance(framed.transform(FRAMES[0]), frame_type)
     bare = BagScaler().set_output(transform=library).fit(BAGS)
     cube = bare.transform(np.array([BAGS[0], BAGS[0]]))
     assert [list(frame.columns) for frame in cube] == [["x0", "x1"]] * 2
     # None leaves the choice as it is.
-    assert isinstance(framed.set_output().transform(FRAMES)[0], kind)
+    assert isinstance(framed.set_output().transform(FRAMES)[0], frame_type)
     assert isinstance(framed.set_output(transform="default").transform(FRAMES)[0], np.ndarray)
 
 

@@ -77,7 +77,7 @@ def test_the_data_are_the_recording() -> None:
     np.testing.assert_allclose(poses(game, track), np.stack([xs, 0 * xs, 3 * xs], axis=1), atol=0.001)
     assert (track["looks"], track["trail"]) == ([[0, track["looks"][0][1]]], "disc")
     assert shapes[0] == {
-        "kind": "circle",
+        "type": "circle",
         "centre": [0.0, 0.0],
         "radius": 0.5,
         "fill": "disc",

@@ -32,7 +32,7 @@ def one_question() -> Tree:
 
 
 def five_questions() -> Tree:
-    """One question of every kind: ellipse, arc, distance, interval, ball."""
+    """One question of every form: ellipse, arc, distance, interval, ball."""
     tree = one_question()
     tree = tree.expanded(0, 0, question("identity", "orientation", (1,), Arc(1.0, 0.5, 2.0)))
     tree = tree.expanded(3, 0, question("distance", "location", (0, 1), NEAR))

@@ -28,7 +28,7 @@ def transitions_of(
         rewards=np.array([reward for _, reward, *_ in steps]),
         discounts=np.array([discount for *_, discount, _ in steps]),
         next_starts=np.cumsum([0, *(len(offered) for *_, offered in steps)]),
-        next_types=np.array([kind for kind, _ in following], dtype=np.int64),
+        next_types=np.array([action_type for action_type, _ in following], dtype=np.int64),
         next_rows=np.array([row for _, row in following], dtype=np.int64),
     )
 
@@ -41,9 +41,9 @@ def four_states(discount: float = 0.9) -> Problem:
     """
     left, right = {0: 0, 1: 0, 2: 1, 3: 2}, {0: 1, 1: 2, 2: 3, 3: 3}
     steps = []
-    for kind, successor in enumerate((left, right)):
+    for action_type, successor in enumerate((left, right)):
         for state, after in successor.items():
-            steps.append(((kind, state), float(after in {1, 2}), discount, [(0, after), (1, after)]))
+            steps.append(((action_type, state), float(after in {1, 2}), discount, [(0, after), (1, after)]))
     return Problem((np.eye(4), np.eye(4)), transitions_of(steps))
 
 
@@ -53,12 +53,12 @@ def random_problem(rng: np.random.Generator, n: int = 30) -> Problem:
     tables[0][:4, 2] = 0.0
     steps = []
     for _ in range(n):
-        kind = int(rng.integers(2))
+        action_type = int(rng.integers(2))
         # Rows from 4 on are only ever offered, so that the third feature of type 0 has no data.
         row = int(rng.integers(4))
         offered = [
             (which, int(rng.integers(len(tables[which])))) for which in rng.integers(2, size=rng.integers(4))
         ]
         discount = float(rng.uniform(0.3, 0.9)) if offered else 0.0
-        steps.append(((kind, row), float(rng.standard_normal()), discount, offered))
+        steps.append(((action_type, row), float(rng.standard_normal()), discount, offered))
     return Problem(tuple(tables), transitions_of(steps))

@@ -21,9 +21,9 @@ def printed_algorithm(problem: Problem, chosen: IntArray) -> tuple[FloatArray, F
     widths = [table.shape[1] for table in problem.features]
     starts = np.cumsum([0, *widths])
 
-    def phi(kind: int, row: int) -> FloatArray:
+    def phi(action_type: int, row: int) -> FloatArray:
         vector = np.zeros(sum(widths))
-        vector[starts[kind] : starts[kind + 1]] = problem.features[kind][row]
+        vector[starts[action_type] : starts[action_type + 1]] = problem.features[action_type][row]
         return vector
 
     matrix, rewards = np.zeros((sum(widths), sum(widths))), np.zeros(sum(widths))

@@ -137,8 +137,10 @@ def test_a_tree_that_is_listed_often_is_refused(folder: Path) -> None:
 
 
 def test_file_names_are_safe_and_different() -> None:
-    kinds = [ActionType(name) for name in ("left", "go to/there", "go to.there", "Left", "iteration", "..")]
-    found = slugs(kinds)
+    action_types = [
+        ActionType(name) for name in ("left", "go to/there", "go to.there", "Left", "iteration", "..")
+    ]
+    found = slugs(action_types)
     assert found[1:3] == ("go_to_there-1", "go_to_there-2")
     assert {found[0], found[3]} == {"left-0", "Left-3"}
     assert found[4:] == ("iteration-4", "_")

@@ -78,7 +78,9 @@ def test_a_limited_draw_is_without_replacement_and_keeps_the_labels() -> None:
     assert (len(samples.lspi), len(samples.latest)) == (7, len(batches[-1]))
     pairs = list(zip(samples.lspi.types.tolist(), samples.lspi.rows.tolist(), strict=True))
     assert len(set(pairs)) == 7
-    used = {(kind, row) for part in (samples.lspi, samples.latest) for kind, row in _pairs(part)}
+    used = {
+        (action_type, row) for part in (samples.lspi, samples.latest) for action_type, row in _pairs(part)
+    }
     # No feature is computed for a pair that nobody asks for.
     assert len(used) == sum(map(len, samples.scenes))
 

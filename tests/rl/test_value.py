@@ -77,11 +77,11 @@ def test_the_fast_path_is_features_times_weights(mode: FeatureMode) -> None:
     experience = rollout(Picking(things=4), RandomPolicy(), 10, np.random.SeedSequence(1))
     schemas = action_schemas(SCHEMA, ACTION_TYPES)
     slow = np.empty(len(experience.types))
-    for kind, schema in enumerate(schemas):
-        own = np.flatnonzero(experience.types == kind)
+    for action_type, schema in enumerate(schemas):
+        own = np.flatnonzero(experience.types == action_type)
         scenes = action_scenes(experience, own, schema)
-        slow[own] = forest_features(FORESTS[kind], scenes, mode) @ value.weights[kind]
-        np.testing.assert_array_equal(value.scene_values(kind, scenes), slow[own])
+        slow[own] = forest_features(FORESTS[action_type], scenes, mode) @ value.weights[action_type]
+        np.testing.assert_array_equal(value.scene_values(action_type, scenes), slow[own])
     for state in range(experience.n_states):
         objects = slice(*experience.objects[state : state + 2])
         candidates = slice(*experience.candidates[state : state + 2])

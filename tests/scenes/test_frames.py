@@ -109,9 +109,11 @@ def test_columns_of_nothing_but_nulls_are_undefined() -> None:
     assert scenes.arguments.tolist() == [[-1]]
 
 
-@pytest.mark.parametrize("kind", ["category", "string", object])
-def test_strings_may_come_in_many_types(kind: Any) -> None:
-    frame = pd.DataFrame(PASSES).astype({"player": kind, "passer": kind, "pass": str}).astype({"pass": kind})
+@pytest.mark.parametrize("dtype", ["category", "string", object])
+def test_strings_may_come_in_many_types(dtype: Any) -> None:
+    frame = (
+        pd.DataFrame(PASSES).astype({"player": dtype, "passer": dtype, "pass": str}).astype({"pass": dtype})
+    )
     scenes = Scenes.from_frame(frame, **KEYWORDS)
 
     assert scenes.scene_ids.tolist() == ["7", "9", "8"]

@@ -24,13 +24,13 @@ BIG = 2**53 + 2
 NEXT = 2**53 + 3
 
 
-def ids_of(values: Any, kind: Any = None) -> list[Any]:
-    table = pa.table({"id": pa.array(values, kind)})
+def ids_of(values: Any, datatype: Any = None) -> list[Any]:
+    table = pa.table({"id": pa.array(values, datatype)})
     return id_column(open_frame(table, ["id"]), "id").to_pylist()  # type: ignore[no-any-return]
 
 
 @pytest.mark.parametrize(
-    ("values", "kind", "expected"),
+    ("values", "datatype", "expected"),
     [
         (["07", "7", " 7", "7e0", "NA", "null", ""], None, ["07", "7", " 7", "7e0", "NA", "null", ""]),
         ([BIG, NEXT, None], None, [BIG, NEXT, None]),
@@ -57,12 +57,12 @@ def ids_of(values: Any, kind: Any = None) -> list[Any]:
         ),
     ],
 )
-def test_ids_are_read_as_they_are_written(values: Any, kind: Any, expected: list[Any]) -> None:
-    assert ids_of(values, kind) == expected
+def test_ids_are_read_as_they_are_written(values: Any, datatype: Any, expected: list[Any]) -> None:
+    assert ids_of(values, datatype) == expected
 
 
 @pytest.mark.parametrize(
-    ("values", "kind", "message"),
+    ("values", "datatype", "message"),
     [
         (
             [float(BIG)],
@@ -87,9 +87,9 @@ def test_ids_are_read_as_they_are_written(values: Any, kind: Any, expected: list
         ([[1]], None, "contains list.*, but ids are integers, strings, dates or times"),
     ],
 )
-def test_ids_that_are_not_certain_are_refused(values: Any, kind: Any, message: str) -> None:
+def test_ids_that_are_not_certain_are_refused(values: Any, datatype: Any, message: str) -> None:
     with pytest.raises(InputError, match=f"column 'id' .*{message}|column 'id' {message}"):
-        ids_of(values, kind)
+        ids_of(values, datatype)
 
 
 @pytest.mark.parametrize("library", [pd.DataFrame, pl.DataFrame, pa.table])

@@ -17,6 +17,6 @@ from relforest.support.errors import DataError, InputError, ModelFormatError, Re
 def test_every_error_can_be_caught_as_ours_or_as_the_builtin(
     error: type[RelforestError], builtin: type[Exception]
 ) -> None:
-    for kind in (RelforestError, builtin):
-        with pytest.raises(kind, match="the reason"):
+    for error_type in (RelforestError, builtin):
+        with pytest.raises(error_type, match="the reason"):
             raise error("the reason")

@@ -1,4 +1,4 @@
-"""The check passes for every mapping function of this library and finds one fault of each kind."""
+"""The check passes for every mapping function of this library and finds each of its faults."""
 
 from __future__ import annotations
 

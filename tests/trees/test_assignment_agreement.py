@@ -62,21 +62,21 @@ def test_the_first_leaf_wins_a_tie() -> None:
     assert found.probabilities[0] == pytest.approx(0.25)
 
 
-@pytest.mark.parametrize("kind", ["classes", "real"])
+@pytest.mark.parametrize("task", ["classes", "real"])
 @pytest.mark.parametrize("seed", range(10))
-def test_other_targets_at_random(kind: str, seed: int) -> None:
+def test_other_targets_at_random(task: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     n_leaves, n = int(rng.integers(1, 6)), int(rng.integers(4, 20))
     presence = rng.random((n_leaves, n)) < 0.5
     presence[rng.integers(n_leaves), ~presence.any(axis=0)] = True
     weights = rng.uniform(0.5, 2, size=n)
-    if kind == "real":
+    if task == "real":
         target = Target.real(rng.normal(size=n), weights)
     else:
         target = Target.classes(rng.integers(0, 3, size=n), 3, weights)
 
     def value(leaf_sums: NDArray[np.float64]) -> float:
-        if kind == "real":
+        if task == "real":
             return float(leaf_sums[1] / leaf_sums[0])
         return float(np.delete(leaf_sums, target.common).max() / leaf_sums.sum())
 
@@ -88,7 +88,7 @@ def test_other_targets_at_random(kind: str, seed: int) -> None:
         # Leaves without scenes come last, with the value of all scenes.
         best = max(open_leaves or here, key=lambda leaf: open_leaves.get(leaf, 0.0))
         values[best] = min(open_leaves.get(best, value(target.sums.sum(axis=0))), bound)
-        bound = values[best] - 1e-6 if kind == "real" else values[best] * (1 - 1e-6)
+        bound = values[best] - 1e-6 if task == "real" else values[best] * (1 - 1e-6)
         winner[here[best]] = best
         undecided &= ~presence[best]
     found = target.assign(presence)

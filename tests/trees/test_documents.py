@@ -28,7 +28,7 @@ SCHEMA = Schema((Attribute("location", 2), Attribute("orientation")), ("passer",
 
 
 def tree() -> Tree:
-    """Every kind of node, both kinds of volume, numbers that are no short decimals."""
+    """Every type of node, both types of volume, numbers that are no short decimals."""
     near = Question(
         Mapping("distance", SCHEMA["location"]),
         (0, 1),
@@ -218,7 +218,7 @@ def set_at(*path: str | int, to: object) -> Callable[[Document], object]:
         (set_at("version", to=3), "written by a newer relforest: relforest-tree version 3"),
         (set_at("format", to="relforest-policy"), "its format is 'relforest-policy'"),
         (set_at("nodes", to=[]), "a tree needs at least one node"),
-        (set_at("nodes", 0, "kind", to="forest"), "unknown node kind 'forest': expected leaf, instantiation"),
+        (set_at("nodes", 0, "kind", to="forest"), "unknown node type 'forest': expected leaf, instantiation"),
         (set_at("nodes", 0, "child", to=0), "node 0 points to node 0"),
         (set_at("nodes", 0, "child", to=2), "node 0 points to node 2|node 1 has no parent"),
         (set_at("nodes", 1, "child", to=0), "node 1 points to node 0"),

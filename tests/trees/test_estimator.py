@@ -92,7 +92,7 @@ def test_leaves_are_those_of_the_tree() -> None:
 
 
 @pytest.mark.parametrize(("no", "yes"), [(0, 1), (-1, 1), (False, True), ("lost", "safe"), (2.0, 5.0)])
-def test_labels_of_any_kind(no: Any, yes: Any) -> None:
+def test_labels_of_any_type(no: Any, yes: Any) -> None:
     y = [yes if label else no for label in Y]
     model = fitted(y)
 

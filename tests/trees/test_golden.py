@@ -67,9 +67,9 @@ def test_the_learned_tree_is_the_one_on_file() -> None:
     expected = json.loads(GOLDEN.read_text(encoding="utf-8"))
 
     assert_close(document, expected)
-    # It is worth comparing: more than one question, both spaces, every kind of node.
-    kinds = [node["kind"] for node in expected["nodes"]]
-    assert kinds.count("question") >= 2
+    # It is worth comparing: more than one question, both spaces, every type of node.
+    types = [node["kind"] for node in expected["nodes"]]
+    assert types.count("question") >= 2
     assert {node["volume"]["shape"] for node in expected["nodes"] if "volume" in node} == {"ellipsoid", "arc"}
 
 

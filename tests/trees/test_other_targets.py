@@ -27,14 +27,14 @@ def of_weights(weights: Floats) -> Scenes:
     )
 
 
-def three_kinds(n: int = 60, seed: int = 0) -> tuple[Scenes, NDArray[np.str_]]:
+def three_classes(n: int = 60, seed: int = 0) -> tuple[Scenes, NDArray[np.str_]]:
     """Light objects only, or one of 8, or one of 20."""
     rng = np.random.default_rng(seed)
     weights = rng.uniform(0, 4, size=(n, 3))
-    kinds = rng.choice(["light", "heavy", "huge"], n, p=[0.5, 0.25, 0.25])
-    weights[kinds == "heavy", 1] = rng.normal(8, 0.3, np.count_nonzero(kinds == "heavy"))
-    weights[kinds == "huge", 0] = rng.normal(20, 0.3, np.count_nonzero(kinds == "huge"))
-    return of_weights(weights), kinds
+    classes = rng.choice(["light", "heavy", "huge"], n, p=[0.5, 0.25, 0.25])
+    weights[classes == "heavy", 1] = rng.normal(8, 0.3, np.count_nonzero(classes == "heavy"))
+    weights[classes == "huge", 0] = rng.normal(20, 0.3, np.count_nonzero(classes == "huge"))
+    return of_weights(weights), classes
 
 
 def nearest(scenes: Scenes) -> Floats:
@@ -64,7 +64,7 @@ def again(tree: Tree) -> Tree:
 
 @pytest.mark.parametrize("search", ["screened", "exhaustive"])
 def test_three_classes(search: Any) -> None:
-    scenes, y = three_kinds()
+    scenes, y = three_classes()
     model = SMRFTreeClassifier(search=search, attempts=1, random_state=0).fit(scenes, y)
 
     assert model.classes_.tolist() == ["heavy", "huge", "light"]
@@ -72,7 +72,7 @@ def test_three_classes(search: Any) -> None:
     probabilities = model.predict_proba(scenes)
     assert probabilities.shape == (60, 3)
     np.testing.assert_allclose(probabilities.sum(axis=1), 1)
-    test, labels = three_kinds(seed=1)
+    test, labels = three_classes(seed=1)
     assert model.score(test, labels) > 0.9
     tree = again(model.tree_)
     assert tree.to_dict() == model.tree_.to_dict()
@@ -144,7 +144,7 @@ def test_units_of_the_target_do_not_matter() -> None:
 
 
 def test_scenes_of_weight_zero_count_for_nothing() -> None:
-    scenes, y = three_kinds(80)
+    scenes, y = three_classes(80)
     positive = y == "heavy"
     noisy = np.where(np.arange(80) < 60, positive, ~positive)
     weights = np.where(np.arange(80) < 60, 2.5, 0.0)
@@ -187,7 +187,7 @@ def test_weights_change_what_is_asked() -> None:
         assert model.tree_.nodes[1].volume.contains([[there]]).tolist() == [True]  # type: ignore[union-attr]
 
 
-SCENES, Y = three_kinds(20)
+SCENES, Y = three_classes(20)
 
 
 @pytest.mark.parametrize(
@@ -259,9 +259,9 @@ def test_malformed_leaves_are_refused(changes: dict[str, Any]) -> None:
         Tree.from_dict(document)
 
 
-def test_leaves_are_of_one_kind() -> None:
-    scenes, y = three_kinds()
+def test_leaves_are_of_one_type() -> None:
+    scenes, y = three_classes()
     document = SMRFTreeClassifier(random_state=0).fit(scenes, y).tree_.to_dict()
     document["nodes"][-1] = {"kind": "leaf", "probability": 0.5, "negatives": 1, "positives": 1}
-    with pytest.raises(ModelFormatError, match="the leaves of a tree must be of one kind"):
+    with pytest.raises(ModelFormatError, match="the leaves of a tree must be of one type"):
         Tree.from_dict(document)

@@ -20,7 +20,7 @@ def symmetric(rng: np.random.Generator, eigenvalues: Floats) -> Floats:
 
 
 def spectra(rng: np.random.Generator, dim: int) -> Iterator[Floats]:
-    """Eigenvalues of many kinds: spread over decades, equal, pairwise equal, partly zero, tiny, huge."""
+    """Eigenvalues of many forms: spread over decades, equal, pairwise equal, partly zero, tiny, huge."""
     for _ in range(15):
         yield 10.0 ** rng.uniform(-4, 4, size=dim)
     yield np.ones(dim)

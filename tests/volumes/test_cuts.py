@@ -77,12 +77,12 @@ def labelled(rng: np.random.Generator, squared: Floats) -> Booleans:
 
 
 @pytest.mark.parametrize("objective", [ACCURACY, LOG_LIKELIHOOD], ids=["accuracy", "log-likelihood"])
-@pytest.mark.parametrize("kind", DISTANCES)
-def test_random_witnesses(kind: str, objective: int) -> None:
-    rng = np.random.default_rng([len(kind), objective])
+@pytest.mark.parametrize("name", DISTANCES)
+def test_random_witnesses(name: str, objective: int) -> None:
+    rng = np.random.default_rng([len(name), objective])
     for _ in range(N_TRIALS // 6):
         n = int(rng.choice([2, 3, 5, 20, 70]))
-        squared = DISTANCES[kind](rng, n)
+        squared = DISTANCES[name](rng, n)
         labels = labelled(rng, squared)
         # The scale must affect nothing but speed, so it may be far off.
         scale = float(np.median(squared) + 1e-300) * 10.0 ** rng.uniform(-3, 3)

@@ -56,12 +56,12 @@ def same(one: Any, other: Any) -> bool:
 
 
 @pytest.mark.parametrize("name", IDS)
-@pytest.mark.parametrize("kind", [np.int64, np.uint8, np.array])
-def test_integers_of_any_kind_are_actions(name: str, kind: Any) -> None:
+@pytest.mark.parametrize("integer", [np.int64, np.uint8, np.array])
+def test_integers_of_any_type_are_actions(name: str, integer: Any) -> None:
     env, twin = world(name), world(name)
     index = int(np.flatnonzero(env.reset(seed=1)[1]["action_mask"])[0])
     twin.reset(seed=1)
-    assert same(env.step(index), twin.step(kind(index)))
+    assert same(env.step(index), twin.step(integer(index)))
 
 
 @pytest.mark.parametrize("name", IDS)
@@ -148,7 +148,7 @@ def test_seeds_may_be_of_any_size(name: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", IDS)
-def test_seeds_may_be_of_numpys_kinds(name: str) -> None:
+def test_seeds_may_be_of_numpys_types(name: str) -> None:
     one, other = world(name), world(name)
     found = [one.reset(seed=7)[0], other.reset(seed=np.int64(7))[0]]  # type: ignore[arg-type]
     assert all(np.array_equal(array, found[1][key]) for key, array in found[0].items())
@@ -220,8 +220,10 @@ def test_without_pygame_a_window_is_an_error_that_names_the_remedy(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pygame", None)
-    for kind in (InputError, DependencyNotInstalled):
-        with pytest.raises(kind, match=r'"human" needs pygame: pip install pygame, or choose .*"rgb_array"'):
+    for error_type in (InputError, DependencyNotInstalled):
+        with pytest.raises(
+            error_type, match=r'"human" needs pygame: pip install pygame, or choose .*"rgb_array"'
+        ):
             make("human")
 
 

@@ -141,7 +141,7 @@ def _all_commands() -> Any:  # noqa: ANN401 - a union made when the program runs
     return Union[tuple(commands)]  # noqa: UP007
 
 
-def _parse(kind: Any, prog: str, arguments: list[str], *, description: str | None = None) -> Any:  # noqa: ANN401
+def _parse(command: Any, prog: str, arguments: list[str], *, description: str | None = None) -> Any:  # noqa: ANN401
     """Read arguments into options; print help if it is asked for, with lines that fit the terminal."""
     import tyro  # noqa: PLC0415
 
@@ -149,7 +149,7 @@ def _parse(kind: Any, prog: str, arguments: list[str], *, description: str | Non
     config = (tyro.conf.FlagCreatePairsOff,)
     try:
         with redirect_stdout(screen):
-            return tyro.cli(kind, prog=prog, description=description, args=arguments, config=config)
+            return tyro.cli(command, prog=prog, description=description, args=arguments, config=config)
     finally:
         width = get_terminal_size().columns
         for line in screen.getvalue().splitlines():

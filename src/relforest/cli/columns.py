@@ -36,7 +36,7 @@ def parse_names(text: str) -> tuple[str, ...]:
 
 def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:
     name, equals, rest = text.partition("=")
-    names, colon, kind = rest.rpartition(":") if ":" in rest else (rest, "", "")
+    names, colon, meaning = rest.rpartition(":") if ":" in rest else (rest, "", "")
     columns = parse_names(names)
     if not name.strip() or not equals or not columns or not all(columns):
         raise InputError(
@@ -44,9 +44,11 @@ def _parse_attribute(text: str) -> tuple[Attribute, tuple[str, ...]]:
             "such as location=x,y, with :angle at the end for an angle in radians, :category for names, "
             ":location for where objects are"
         )
-    if colon and kind not in (*KINDS, *ROLES):
+    if colon and meaning not in (*KINDS, *ROLES):
         known = ", ".join((*KINDS, *ROLES))
-        raise InputError(f"--attribute {text!r} has the unknown kind or role {kind!r}: write one of {known}")
-    if kind in ROLES:
-        return Attribute(name.strip(), len(columns), role=kind), columns
-    return Attribute(name.strip(), len(columns), kind or None), columns
+        raise InputError(
+            f"--attribute {text!r} has the unknown kind or role {meaning!r}: write one of {known}"
+        )
+    if meaning in ROLES:
+        return Attribute(name.strip(), len(columns), role=meaning), columns
+    return Attribute(name.strip(), len(columns), meaning or None), columns

@@ -76,11 +76,11 @@ def check_options(options: Any, arguments: Sequence[str]) -> None:  # noqa: ANN4
             check_free(path, force=given["force"])
 
 
-def unknown(kind: str, name: str, choices: Iterable[str]) -> UsageError:
+def unknown(what: str, name: str, choices: Iterable[str]) -> UsageError:
     """Return an error about a name, with the most similar of the names that exist, or all of them."""
     similar = get_close_matches(name, choices := tuple(choices), 1)
     hint = f"did you mean {similar[0]}?" if similar else f"choose one of {', '.join(choices)}"
-    return UsageError(f"unknown {kind} {name!r}: {hint}")
+    return UsageError(f"unknown {what} {name!r}: {hint}")
 
 
 def option_name(parameter: str) -> str:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _OF_TREES: Final = ("test", "search", "alpha", "attempts", "permutations", "max_points")
 _MODELS: Final = ("tree", "boosting", "forest", "smrf-forest", "rules")
-# Options of some kinds of models only, and these kinds.
+# Options of some models only, and these models.
 _OPTIONS: Final = dict.fromkeys(_OF_TREES, ("tree", "smrf-forest")) | {
     "trees": _MODELS[1:],
     "objects": ("boosting", "forest", "rules"),
@@ -174,7 +174,7 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
     Raises
     ------
     InputError
-        If an option belongs to another kind of model, or the model is for other labels.
+        If an option belongs to another model, or the model is for other labels.
     """
     import relforest
     from relforest.forests import GrowthSettings
@@ -183,10 +183,10 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
     from relforest.trees import TreeSettings
 
     for field in fields(options):
-        kinds = _OPTIONS.get(field.name, _MODELS)
-        if options.model not in kinds and getattr(options, field.name) != field.default:
+        models = _OPTIONS.get(field.name, _MODELS)
+        if options.model not in models and getattr(options, field.name) != field.default:
             name = field.name.replace("_", "-")
-            raise InputError(f"--{name} is an option of --model {', '.join(kinds)}, not of {options.model}")
+            raise InputError(f"--{name} is an option of --model {', '.join(models)}, not of {options.model}")
     if options.model == "rules" and (data.classes is None or len(data.classes) > 2):
         found = "numbers" if data.classes is None else f"{len(data.classes)} classes"
         raise InputError(
@@ -202,8 +202,8 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
         if options.trees is not None:
             chosen["n_trees"] = options.trees
     names = {"tree": "Tree", "boosting": "Boosting", "rules": "RuleSet"}
-    kind = "Regressor" if data.classes is None else "Classifier"
-    learner: SceneLearner = getattr(relforest, f"SMRF{names.get(options.model, 'Forest')}{kind}")(
+    task = "Regressor" if data.classes is None else "Classifier"
+    learner: SceneLearner = getattr(relforest, f"SMRF{names.get(options.model, 'Forest')}{task}")(
         **chosen, random_state=options.seed, n_jobs=options.jobs
     )
     return learner

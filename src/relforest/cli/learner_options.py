@@ -16,8 +16,8 @@ from relforest.trees.settings import SearchName, Test
 
 
 def _default(value: object, metavar: str | None = None) -> Any:  # noqa: ANN401 - Tyro's annotation
-    kind = metavar or ("INT" if isinstance(value, int) else "FLOAT")
-    return arg(metavar=kind, help_behavior_hint=f"(default: {value})")
+    shown = metavar or ("INT" if isinstance(value, int) else "FLOAT")
+    return arg(metavar=shown, help_behavior_hint=f"(default: {value})")
 
 
 _RPI: Final = RPISettings()

@@ -47,7 +47,7 @@ def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     Notes
     -----
     The source measured printed colors in photographs and did not publish the numbers, so **the numbers here
-    are ours**; scores can be compared with the source's in kind, not in value. A print with the mean color m
+    are ours**; scores can be compared with the source's in order, not in value. A print with the mean color m
     is seen under light of changing strength by a camera with noise:
 
         x = m (1 + 0.2 a) + 0.06 e,  clipped to [0, 1],

@@ -67,7 +67,7 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
         return explain_scores(self.ensemble_, checked_scenes(scenes), self._outputs(scenes), most)
 
     def importances(self) -> list[Importance]:
-        """Return the kinds of questions and their shares of the gain, the most useful first."""
+        """Return what questions compare and their shares of the gain, the most useful first."""
         check_is_fitted(self)
         return importances(self.ensemble_)
 

@@ -66,7 +66,7 @@ class Ensemble:
             raise ModelFormatError(f"{len(self.trees)} trees have {len(self.weights)} weights")
         scene_trees = tuple(tree for tree in self.trees if isinstance(tree, SceneTree))
         if len(scene_trees) not in {0, len(self.trees)}:
-            raise ModelFormatError("the trees of an ensemble must be of one kind")
+            raise ModelFormatError("the trees of an ensemble must be of one type")
         if any(isinstance(tree, Tree) and tree.schema != self.schema for tree in self.trees):
             raise ModelFormatError("the trees of an ensemble must have its schema")
         if any(tree.values.shape[1] != len(self.start) for tree in self.trees):

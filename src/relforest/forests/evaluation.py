@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from relforest.forests.kinds import FIRST, LIMIT, SECOND, value
+from relforest.forests.forms import FIRST, LIMIT, SECOND, value
 from relforest.forests.packing import (
     BEGIN,
     CIRCULAR,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
-from relforest.forests.questions import answers, node_means, question_kind, questions
+from relforest.forests.questions import answers, compared, node_means, questions
 from relforest.scenes.ids import plain
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class ScoreExplanation:
 @final
 @dataclass(frozen=True, slots=True)
 class Importance:
-    """How much of the training loss a kind of question took away.
+    """How much of the training loss the questions that compare the same took away.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Importance:
     share : float
         Its share of the gain of all questions.
     n_questions : int
-        Number of questions of this kind.
+        Number of these questions.
     """
 
     question: str
@@ -107,14 +107,14 @@ def explain_scores(
 
 
 def importances(ensemble: Ensemble) -> list[Importance]:
-    """Return the kinds of questions, the most useful first."""
+    """Return what questions compare, the most useful first."""
     gains: dict[str, list[float]] = {}
     for tree, weight in zip(ensemble.trees, ensemble.weights, strict=True):
         for asked in questions(tree):
-            kind = question_kind(tree, asked.node, ensemble.schema)
-            gains.setdefault(kind, []).append(asked.gain * abs(float(weight)))
+            what = compared(tree, asked.node, ensemble.schema)
+            gains.setdefault(what, []).append(asked.gain * abs(float(weight)))
     total = sum(map(sum, gains.values())) or 1.0
-    found = [Importance(kind, sum(each) / total, len(each)) for kind, each in gains.items()]
+    found = [Importance(what, sum(each) / total, len(each)) for what, each in gains.items()]
     return sorted(found, key=lambda each: (-each.share, each.question))
 
 

@@ -33,7 +33,7 @@ _TABLES, _TREES = range(2)
 @final
 @dataclass(frozen=True, slots=True)
 class ForestSettings:
-    """How many trees a forest has, of which kind, and what each of them sees.
+    """How many trees a forest has, of which type, and what each of them sees.
 
     Parameters
     ----------

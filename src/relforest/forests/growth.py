@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from relforest.forests.forms import N_NUMBERS
 from relforest.forests.kernels import Plan, Targets, best_condition, work_space
-from relforest.forests.kinds import N_NUMBERS
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.tables import ConditionTable, Found
 
@@ -133,12 +133,12 @@ def _best_question(
         factor = plan.pair_gain if each.n_free > 1 else 1.0
         # Of a sample of the pairs, the objects without a partner are not known.
         tried = plan._replace(every=plan.every and each.n_free == 2 and each.n_sampled == 0)
-        kinds = [-1]
+        categories = [-1]
         if each.n_free and table.firsts[1]:
-            kinds.append(int(rng.integers(table.firsts[1])))
-        for kind in kinds:
+            categories.append(int(rng.integers(table.firsts[1])))
+        for category in categories:
             statements = np.zeros((plan.max_statements, N_NUMBERS))
-            gain, n, at_least = best_condition(table, scenes, targets, tried, rng, statements, work, kind)
+            gain, n, at_least = best_condition(table, scenes, targets, tried, rng, statements, work, category)
             if factor * gain > most:
                 best, most = Found(each, statements[:n].copy(), at_least, gain), factor * gain
     return best

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.forests.kinds import CENTRE, FIRST, IS, KIND, LIMIT, N_NUMBERS, SECOND, WEIGHT
+from relforest.forests.forms import CENTRE, FIRST, FORM, IS, LIMIT, N_NUMBERS, SECOND, WEIGHT
 from relforest.forests.rows import EVERY, Choices, Table, allow_all, least_values, restrict
 from relforest.support.jit import inlined, kernel
 
@@ -171,7 +171,7 @@ def _try(
     else:
         least_values(table, scenes, work.inside, trial, at_least, work.least)
         order_scenes(scenes, work)
-    found, limit = best_limit(scenes, targets, trial[KIND] >= IS, plan, work)
+    found, limit = best_limit(scenes, targets, trial[FORM] >= IS, plan, work)
     if found > gain:
         best[:] = trial
         best[LIMIT] = limit
@@ -229,22 +229,22 @@ def _best_statement(
         n_bounds, n_categories, n_discs = table.firsts
     for i in range(n_bounds):
         if rng.random() < (plan.share if n_before else plan.first_share):
-            trial[KIND], trial[FIRST] = table.bounds[i, 0], table.bounds[i, 1]
+            trial[FORM], trial[FIRST] = table.bounds[i, 0], table.bounds[i, 1]
             # Looking up is linear in all scenes of the table.
             known = n_before == 0 and at_least == 1 and len(table.starts) < 16 * len(scenes)
             gain = _try(table, scenes, targets, trial, best, (gain, at_least, i if known else -1), plan, work)
     for i in range(n_categories):
         # There are few of them, and they decide which objects the others are about.
         if rng.random() < max(plan.share, 0.5):
-            trial[KIND], trial[FIRST], trial[CENTRE] = table.categories[i]
+            trial[FORM], trial[FIRST], trial[CENTRE] = table.categories[i]
             gain = _try(table, scenes, targets, trial, best, (gain, at_least, -1), plan, work)
     for _ in range(plan.n_discs if n_discs else 0):
-        kind, first, second = table.discs[int(rng.random() * n_discs)]
+        form, first, second = table.discs[int(rng.random() * n_discs)]
         choice = _centre(table, scenes, targets, work.inside, (first, second), rng)
         radius = table.scales[first] * math.exp(0.5 * rng.standard_normal())
         other = table.scales[second] * math.exp(0.5 * rng.standard_normal()) if second >= 0 else 1.0
         if choice >= 0:
-            trial[KIND], trial[FIRST], trial[SECOND] = kind, first, second
+            trial[FORM], trial[FIRST], trial[SECOND] = form, first, second
             trial[CENTRE], trial[WEIGHT] = table.values[first, choice], 1.0 / radius**2
             trial[CENTRE + 1] = table.values[second, choice] if second >= 0 else 0.0
             trial[WEIGHT + 1] = 1.0 / other**2
@@ -261,14 +261,14 @@ def best_condition(
     rng: np.random.Generator,
     statements: NDArray[np.float64],
     work: Search,
-    kind: int,
+    category: int,
 ) -> tuple[float, int, int]:
     """Write the statements of a good condition; return its gain, their number, and how many it counts.
 
     Statements are added greedily while the gain grows; after each, the limits of the earlier ones are chosen
     again. The gain is twice the decrease of the loss by one Newton step on either side. With the number of a
-    category as `kind`, -1 for none, only objects of this category are looked for: that there is one rarely
-    tells anything, so that a greedy search would not begin with it.
+    `category`, -1 for none, only objects of this category are looked for: that there is one rarely tells
+    anything, so that a greedy search would not begin with it.
     """
     at_least = 1
     if plan.max_count > 1 and rng.random() < 0.4:
@@ -277,8 +277,8 @@ def best_condition(
         at_least = EVERY
     gain, n = 0.0, 0
     allow_all(table, scenes, work.inside)
-    if kind >= 0:
-        statements[0, KIND], statements[0, FIRST], statements[0, CENTRE] = table.categories[kind]
+    if category >= 0:
+        statements[0, FORM], statements[0, FIRST], statements[0, CENTRE] = table.categories[category]
         statements[0, SECOND], statements[0, LIMIT] = -1.0, 0.5
         restrict(table, statements[0], work.inside)
         n = 1
@@ -288,7 +288,7 @@ def best_condition(
             break
         gain, n = found, n + 1
         for changed in range(n - 1):
-            if statements[changed, KIND] >= IS:
+            if statements[changed, FORM] >= IS:
                 continue
             allow_all(table, scenes, work.others)
             for other in range(n):
@@ -296,7 +296,7 @@ def best_condition(
                     restrict(table, statements[other], work.others)
             least_values(table, scenes, work.others, statements[changed], at_least, work.least)
             order_scenes(scenes, work)
-            found, limit = best_limit(scenes, targets, statements[changed, KIND] >= IS, plan, work)
+            found, limit = best_limit(scenes, targets, statements[changed, FORM] >= IS, plan, work)
             if found > gain:
                 gain = found
                 statements[changed, LIMIT] = limit

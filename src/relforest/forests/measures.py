@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from relforest.forests.evaluation import excess, following
-from relforest.forests.kinds import IS, KIND, NEAR, SECOND, WEIGHT
+from relforest.forests.forms import FORM, IS, NEAR, SECOND, WEIGHT
 from relforest.forests.packing import BEGIN, COUNT, END, N_FREE, Packed
 from relforest.support.jit import kernel
 
@@ -34,11 +34,11 @@ def _margin(
         x, numbers = excess(packed, statement, matrix, bound, point), packed.numbers[statement]
         if math.isnan(x):
             return np.nan
-        if numbers[KIND] >= IS:
+        if numbers[FORM] >= IS:
             is_wrong |= x > 0.0
             continue
         has_number = True
-        if numbers[KIND] >= NEAR:
+        if numbers[FORM] >= NEAR:
             # The distance beyond the end of an interval, or about that beyond an ellipse.
             area = numbers[WEIGHT] * (numbers[WEIGHT] if numbers[SECOND] < 0 else numbers[WEIGHT + 1])
             x = (math.sqrt(x + 1.0) - 1.0) / math.sqrt(math.sqrt(area))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from relforest.forests.kinds import AT_LEAST, AT_MOST, IS, IS_NOT, N_NUMBERS, NEAR, NEAR_ANGLE, SMALL
+from relforest.forests.forms import AT_LEAST, AT_MOST, IS, IS_NOT, N_NUMBERS, NEAR, NEAR_ANGLE, SMALL
 from relforest.forests.scene_tree import SceneTree, Value
 from relforest.forests.statements import Bound, Is, Near, Statement, Test
 
@@ -92,15 +92,15 @@ def _statement(schema: Schema, statement: Statement) -> tuple[list[int], list[fl
 
 
 def _numbers(test: Test, *, is_circular: bool) -> list[float]:
-    """Return a test as a row of numbers, see `relforest.forests.kinds`."""
+    """Return a test as a row of numbers, see `relforest.forests.forms`."""
     match test:
         case Bound(component, side, limit, absolute):
-            kind = (AT_MOST if side == "at most" else AT_LEAST) + (SMALL if absolute else 0)
-            return [kind, component, -1, 0.0, 0.0, 0.0, 0.0, limit if side == "at most" else -limit]
+            form = (AT_MOST if side == "at most" else AT_LEAST) + (SMALL if absolute else 0)
+            return [form, component, -1, 0.0, 0.0, 0.0, 0.0, limit if side == "at most" else -limit]
         case Near(component, centre, radii):
             weights = [1.0 / radius**2 for radius in radii]
             second = component + 1 if len(centre) == 2 else -1
-            kind = NEAR_ANGLE if is_circular else NEAR
-            return [kind, component, second, *[*centre, 0.0][:2], *[*weights, 1.0][:2], 1.0]
+            form = NEAR_ANGLE if is_circular else NEAR
+            return [form, component, second, *[*centre, 0.0][:2], *[*weights, 1.0][:2], 1.0]
         case Is(category, negated):
             return [IS_NOT if negated else IS, 0, -1, category, 0.0, 0.0, 0.0, 0.5]

@@ -1,4 +1,4 @@
-"""What the questions of a tree ask, and how much they gain, for both kinds of trees."""
+"""What the questions of a tree ask, and how much they gain, for trees of conditions and SMRF trees."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _branch(tree: Tree, leaf: int) -> list[tuple[int, str]]:
     return found
 
 
-def question_kind(tree: SceneTree | Tree, node: int, schema: Schema) -> str:
+def compared(tree: SceneTree | Tree, node: int, schema: Schema) -> str:
     """Return what a question compares, without its numbers."""
     if isinstance(tree, SceneTree):
         names = [*schema.parameters, "C", "D"]

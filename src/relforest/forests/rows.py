@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from relforest.forests.kinds import FIRST, LIMIT, SECOND, value
+from relforest.forests.forms import FIRST, LIMIT, SECOND, value
 from relforest.support.jit import inlined, kernel
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ EVERY: Final = 0
 class Table(NamedTuple):
     """The choices of a number of free variables, and what statements can be made of.
 
-    `bounds` lists (kind, column) of the half-lines, `categories` (kind, column, category), `discs` (kind,
+    `bounds` lists (form, column) of the half-lines, `categories` (form, column, category), `discs` (form,
     column, second column or -1). In each list those about all free variables come first, and `firsts` is
     their number: a condition begins with one of them. `scales` contains the standard deviation of each
     column. `least` and `order` are what a search needs at every node: the least value of each first half-line

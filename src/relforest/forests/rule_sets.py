@@ -202,9 +202,9 @@ def _anneal(
     n, n_kept = 0, 0
     current = _cost(counts, sums, smoothing)
     for step in range(n_steps):
-        kind = rng.random()
-        added = -1 if n > 0 and 1.0 / 3.0 <= kind < 2.0 / 3.0 else int(rng.random() * n_rules)
-        place = -1 if n == 0 or (kind < 1.0 / 3.0 and n < len(chosen)) else int(rng.random() * n)
+        move = rng.random()
+        added = -1 if n > 0 and 1.0 / 3.0 <= move < 2.0 / 3.0 else int(rng.random() * n_rules)
+        place = -1 if n == 0 or (move < 1.0 / 3.0 and n < len(chosen)) else int(rng.random() * n)
         repeated = False
         for i in range(n):
             repeated |= chosen[i] == added

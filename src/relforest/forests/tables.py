@@ -10,14 +10,14 @@ import numpy as np
 from relforest.forests.bindings import bindings, column_values
 from relforest.forests.columns import Column, columns
 from relforest.forests.conditions import Condition
-from relforest.forests.kinds import (
+from relforest.forests.forms import (
     AT_LEAST,
     AT_MOST,
     CENTRE,
     FIRST,
+    FORM,
     IS,
     IS_NOT,
-    KIND,
     LARGE,
     LIMIT,
     NEAR,
@@ -58,7 +58,7 @@ class Found:
     ----------
     table : ConditionTable
     numbers : ndarray (n_statements, N_NUMBERS)
-        Its statements, see `relforest.forests.kinds`.
+        Its statements, see `relforest.forests.forms`.
     at_least : int
         How many choices it asks for, or `EVERY`.
     gain : float
@@ -137,15 +137,15 @@ def _table(
         if len(defined) == 0 or defined.min() == defined.max():
             continue
         if is_category(mapping):
-            kinds = (IS, IS_NOT)
+            forms = (IS, IS_NOT)
             # Of two categories, being one is not being the other.
             present = np.unique(defined).astype(int).tolist()
             chosen = (
                 [(IS, each) for each in present]
                 if len(present) == 2
-                else [(kind, each) for kind in kinds for each in present]
+                else [(form, each) for form in forms for each in present]
             )
-            categories += [(kind, number, each) for kind, each in chosen]
+            categories += [(form, number, each) for form, each in chosen]
             continue
         scales[number] = defined.std()
         if mapping.space == "circle":
@@ -177,22 +177,22 @@ def _least(
     n_choices = np.diff(starts)
     some = np.flatnonzero(n_choices)
     least = np.full((len(bounds), len(n_choices)), np.inf)
-    for number, (kind, column) in enumerate(bounds.tolist()):
-        x = np.abs(values[column]) if kind in {SMALL, LARGE} else values[column]
-        x = -x if kind in {AT_LEAST, LARGE} else x
+    for number, (form, column) in enumerate(bounds.tolist()):
+        x = np.abs(values[column]) if form in {SMALL, LARGE} else values[column]
+        x = -x if form in {AT_LEAST, LARGE} else x
         least[number, some] = np.fmin.reduceat(x, starts[some])
     return np.where(np.isnan(least), np.inf, least)
 
 
 def _test(row: NDArray[np.float64], component: int) -> Test:
-    kind, limit = int(row[KIND]), float(row[LIMIT])
-    match kind:
-        case _ if kind in {AT_MOST, SMALL}:
-            return Bound(component, "at most", limit, absolute=kind == SMALL)
-        case _ if kind in {AT_LEAST, LARGE}:
-            return Bound(component, "at least", -limit, absolute=kind == LARGE)
-        case _ if kind in {IS, IS_NOT}:
-            return Is(int(row[CENTRE]), negated=kind == IS_NOT)
+    form, limit = int(row[FORM]), float(row[LIMIT])
+    match form:
+        case _ if form in {AT_MOST, SMALL}:
+            return Bound(component, "at most", limit, absolute=form == SMALL)
+        case _ if form in {AT_LEAST, LARGE}:
+            return Bound(component, "at least", -limit, absolute=form == LARGE)
+        case _ if form in {IS, IS_NOT}:
+            return Is(int(row[CENTRE]), negated=form == IS_NOT)
     dim = 1 if row[SECOND] < 0 else 2
     centre = row[CENTRE : CENTRE + dim].tolist()
     radii = np.sqrt(limit / row[WEIGHT : WEIGHT + dim]).tolist()

@@ -19,11 +19,11 @@ _POSITIVE: Final = frozenset({"distance", "scaled_distance", "bearing"})
 
 
 class _Phrase(NamedTuple):
-    """A statement as subject and predicate; whether it says of what kind an object is, "has ..."."""
+    """A statement as subject and predicate; whether it says of what category an object is, "has ..."."""
 
     subject: str
     predicate: str
-    is_kind: bool = False
+    is_category: bool = False
 
 
 class _Range(NamedTuple):
@@ -74,12 +74,12 @@ def sentence(condition: Condition, schema: Schema) -> str:
 
 
 def _some_object(phrases: list[_Phrase]) -> str:
-    """Return what is true of some object, beginning with its kind."""
-    kinds = [phrase.predicate.removeprefix("has ") for phrase in phrases if phrase.is_kind]
-    others = [phrase.predicate for phrase in phrases if not phrase.is_kind]
-    if not kinds or not others:
+    """Return what is true of some object, beginning with its categories."""
+    categories = [phrase.predicate.removeprefix("has ") for phrase in phrases if phrase.is_category]
+    others = [phrase.predicate for phrase in phrases if not phrase.is_category]
+    if not categories or not others:
         return f"some object {_joined([phrase.predicate for phrase in phrases])}"
-    return f"some object with {' and '.join(kinds)} {_joined(others)}"
+    return f"some object with {' and '.join(categories)} {_joined(others)}"
 
 
 def _phrase(statement: Statement, names: list[str]) -> _Phrase:
@@ -94,10 +94,10 @@ def _phrase(statement: Statement, names: list[str]) -> _Phrase:
         if mapping.operation == "same":
             likeness = "the same" if (test.category == 1) != test.negated else "another"
             joint = "as" if likeness == "the same" else "than"
-            return _Phrase(subject, f"has {likeness} {attribute.name} {joint} {others[0]}", is_kind=True)
+            return _Phrase(subject, f"has {likeness} {attribute.name} {joint} {others[0]}", is_category=True)
         does = "does not have" if test.negated else "has"
         said = f"{does} {attribute.name} {attribute.categories[test.category]}"
-        return _Phrase(subject, said, is_kind=not test.negated)
+        return _Phrase(subject, said, is_category=not test.negated)
     if isinstance(test, Near) and len(test.centre) == 2:
         return _Phrase(subject, _ellipse(statement, test, others))
     return _Phrase(subject, _number(statement, _range(test, mapping.operation), others))

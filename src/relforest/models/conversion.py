@@ -13,7 +13,7 @@ from relforest.forests import (
     SMRFForestRegressor,
     SMRFRuleSetClassifier,
 )
-from relforest.models.model import Kind, Label, Model
+from relforest.models.model import Family, Label, Model
 from relforest.models.training_data import TrainingData
 from relforest.reports import QuestionPoints, question_points
 from relforest.support.errors import InputError
@@ -32,7 +32,7 @@ SceneLearner = (
 )
 
 _TREES: Final = (SMRFTreeClassifier, SMRFTreeRegressor)
-_KINDS: Final[dict[type[object], Kind]] = {
+_FAMILIES: Final[dict[type[object], Family]] = {
     SMRFForestClassifier: "forest",
     SMRFForestRegressor: "forest",
     SMRFBoostingClassifier: "boosting",
@@ -57,24 +57,24 @@ def as_model(estimator: SceneLearner, data: TrainingData | None = None) -> Model
     NotFittedError
         If nothing was learned.
     InputError
-        If the estimator is of another kind, or was fitted to other data.
+        If the estimator is of another class, or was fitted to other data.
     """
-    if not isinstance(estimator, (*_TREES, *_KINDS)):
+    if not isinstance(estimator, (*_TREES, *_FAMILIES)):
         raise InputError(
             f"models are made of fitted trees, forests, boosted models and rule sets, got {estimator!r:.100}"
         )
     check_is_fitted(estimator)
     learned = estimator.tree_ if isinstance(estimator, _TREES) else estimator.ensemble_
-    kind = "tree" if isinstance(estimator, _TREES) else _KINDS[type(estimator)]
+    family = "tree" if isinstance(estimator, _TREES) else _FAMILIES[type(estimator)]
     found = None if not hasattr(estimator, "classes_") else tuple(map(_label, estimator.classes_.tolist()))
     if data is None:
-        return Model(learned, kind, "", found, None)
+        return Model(learned, family, "", found, None)
     if data.scenes.schema != learned.schema or (data.classes is None) != (found is None):
         raise InputError("the estimator was fitted to other data: fit it to data.scenes and data.y")
     points: dict[int, QuestionPoints] = {}
     if isinstance(estimator, _TREES) and data.classes is not None and len(data.classes) == 2:
         points = question_points(estimator.tree_, data.scenes, data.y == 1)
-    return Model(learned, kind, data.label, data.classes, data.columns, points)
+    return Model(learned, family, data.label, data.classes, data.columns, points)
 
 
 def _label(value: object) -> Label:

@@ -26,10 +26,10 @@ from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.trees.nodes import variable_name
 from relforest.trees.text import describe
 
-__all__ = ["Kind", "Label", "Model", "Predictions", "n_classes"]
+__all__ = ["Family", "Label", "Model", "Predictions", "n_classes"]
 
 Label = bool | int | str
-Kind = Literal["tree", "forest", "boosting", "rules"]
+Family = Literal["tree", "forest", "boosting", "rules"]
 
 _REMEDY: Final = "the model does not name the columns of its scenes, so use a file that was"
 
@@ -65,7 +65,7 @@ class Model:
     Parameters
     ----------
     learned : Tree or Ensemble
-    kind : {"tree", "forest", "boosting", "rules"}
+    family : {"tree", "forest", "boosting", "rules"}
     label : str
         The column that it predicts; empty if unknown.
     classes : tuple of labels, or None
@@ -88,21 +88,21 @@ class Model:
     """
 
     learned: Tree | Ensemble
-    kind: Kind
+    family: Family
     label: str
     classes: tuple[Label, ...] | None
     columns: FrameLayout | None
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if (self.kind == "tree") != isinstance(self.learned, Tree):
-            raise InputError(f"a model of kind {self.kind!r} cannot be a {type(self.learned).__name__}")
-        if isinstance(self.learned, Ensemble) and self.learned.is_smrf and self.kind != "forest":
-            raise InputError(f"a model of kind {self.kind!r} consists of trees of conditions")
+        if (self.family == "tree") != isinstance(self.learned, Tree):
+            raise InputError(f"a {type(self.learned).__name__} is no model of the family {self.family!r}")
+        if isinstance(self.learned, Ensemble) and self.learned.is_smrf and self.family != "forest":
+            raise InputError(f"a model of the family {self.family!r} consists of trees of conditions")
         wanted = None if self.classes is None else len(self.classes)
         if wanted is not None and wanted < 2:
             raise InputError(f"a model needs two classes, got {self.classes!r}")
-        if self.kind == "rules" and wanted != 2:
+        if self.family == "rules" and wanted != 2:
             raise InputError("rule sets are for two classes")
         if isinstance(self.learned, Tree):
             fits = n_classes(self.learned) == wanted
@@ -129,7 +129,7 @@ class Model:
         if isinstance(self.learned, Tree):
             return self.learned
         raise InputError(
-            f"the model is of kind {self.kind!r}, but drawings and paths are those of a single tree"
+            f"the model is of the family {self.family!r}, but drawings and paths are those of a single tree"
         )
 
     @property
@@ -138,7 +138,7 @@ class Model:
         several = self.classes is not None and len(self.classes) > 2
         if isinstance(self.learned, Ensemble):
             of = f"{self.label or 'class'} = {self.classes[-1]}" if self.classes and several else self.outcome
-            what = rule_set_in_words if self.kind == "rules" else ensemble_in_words
+            what = rule_set_in_words if self.family == "rules" else ensemble_in_words
             return what(self.learned, of)
         other = str(self.classes[0]) if self.classes and self.label else "LABEL"
         text = describe(self.learned.schema, self.learned.nodes, other=other)
@@ -159,7 +159,7 @@ class Model:
         Raises
         ------
         InputError
-            If the file cannot be read or lacks the columns, or its scenes are of another kind.
+            If the file cannot be read or lacks the columns, or its scenes are of another schema.
         ModelFormatError
             If `Scenes.to_parquet` wrote the file and it was changed since.
         """
@@ -194,10 +194,10 @@ class Model:
 
     def _shares(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the probabilities of classes (n, n_classes) for what the trees say (n, n_outputs)."""
-        if self.kind in {"boosting", "rules"}:
+        if self.family in {"boosting", "rules"}:
             return logistic_shares(values)
         # The leaves of a single tree hold shares already.
-        return values if self.kind == "tree" and values.shape[1] > 1 else mean_shares(values)
+        return values if self.family == "tree" and values.shape[1] > 1 else mean_shares(values)
 
 
 def n_classes(tree: Tree) -> int | None:

@@ -2,8 +2,8 @@
 
 A model file is a JSON document of format ``relforest-model``: the label and its classes (null for numbers),
 the columns that the scenes were read from, and either the tree as written by `Tree.to_dict` with a sample of
-the training points of each question, for pictures, or an ensemble as written by `Ensemble.to_dict` and its
-kind.
+the training points of each question, for pictures, or an ensemble as written by `Ensemble.to_dict` and the
+family of the model.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.forests import Ensemble
-from relforest.models.model import Kind, Label, Model, n_classes
+from relforest.models.model import Family, Label, Model, n_classes
 from relforest.reports import QuestionPoints
 from relforest.scenes import Schema
 from relforest.scenes.frames import FrameLayout, frame_layout
@@ -58,7 +58,7 @@ def write_model(path: Path, model: Model) -> None:
     """Write a model file atomically."""
     document = _header(model.label, model.classes, model.columns)
     if isinstance(model.learned, Ensemble):
-        write_json(path, document | {"kind": model.kind, "ensemble": model.learned.to_dict()})
+        write_json(path, document | {"kind": model.family, "ensemble": model.learned.to_dict()})
         return
     points = [
         _points_to_dict(index, node, model.points[index])
@@ -92,8 +92,8 @@ def model_of(document: dict[str, Any], path: Path) -> Model:
     if "ensemble" in document:
         with sound:
             ensemble = Ensemble.from_dict(document["ensemble"])
-            kind = cast("Kind", one_of("kind", document["kind"], _ENSEMBLES))
-            return Model(ensemble, kind, *_how_to_apply(document, ensemble.schema))
+            family = cast("Family", one_of("kind", document["kind"], _ENSEMBLES))
+            return Model(ensemble, family, *_how_to_apply(document, ensemble.schema))
     tree = _tree(path, document.get("tree"))
     with sound:
         points = dict(_points(entry, tree) for entry in document["points"])

@@ -45,7 +45,7 @@ def save(
     NotFittedError
         If nothing was learned.
     InputError
-        If it is of another kind, or `data` are not those of the fit.
+        If it is of another class, or `data` are not those of the fit.
     OSError
         If the file cannot be written.
     """

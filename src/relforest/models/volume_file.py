@@ -57,10 +57,10 @@ def classifier_of(document: dict[str, Any], path: Path) -> CovAggClassifier:
             len(names) != volume.dim or not all(isinstance(each, str) for each in names)
         ):
             raise ValueError(f"expected the names of {volume.dim} features, got {names!r:.50}")
-        kinds = (
+        types = (
             {str} if isinstance(classes[0], str) else {bool} if isinstance(classes[0], bool) else {int, float}
         )
-        if len(classes) != 2 or not {type(each) for each in classes} <= kinds or classes[0] == classes[1]:
+        if len(classes) != 2 or not {type(each) for each in classes} <= types or classes[0] == classes[1]:
             raise ValueError(f"expected two labels of a type, got {classes!r:.50}")
         classifier.volume_, classifier.classes_ = volume, np.array(classes)
         no_points = Bags(np.empty((0, volume.dim)), np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.int64))

@@ -208,7 +208,7 @@ const DRAW = {
 };
 
 function drawLook(pen, camera, look, pose) {
-  for (const shape of game.looks[look] || []) DRAW[shape.kind](pen, camera, shape, pose);
+  for (const shape of game.looks[look] || []) DRAW[shape.type](pen, camera, shape, pose);
 }
 
 const HERE = [0, 0, 0];

@@ -65,7 +65,7 @@ class Tables:
             if parts.get(name):
                 self._stage.shade(parts[name])
         plain = {name: _rounded(value) for name, value in parts.items() if value or name == "words"}
-        return {"kind": type(shape).__name__.lower(), **plain}
+        return {"type": type(shape).__name__.lower(), **plain}
 
 
 def episode_data(recording: Recording, tables: Tables) -> dict[str, Any]:

@@ -134,8 +134,8 @@ def _draw_head(figure: Figure, page: Page, head: Sequence[tuple[str, float]], *,
         y += line_height(size)
     if legend:
         marks = [
-            Line2D([], [], ls="", marker=marker, color=color, ms=4, label=f"{kind} scenes")
-            for kind, marker, color in (("positive", "^", POSITIVE), ("negative", "o", NEGATIVE))
+            Line2D([], [], ls="", marker=marker, color=color, ms=4, label=f"{side} scenes")
+            for side, marker, color in (("positive", "^", POSITIVE), ("negative", "o", NEGATIVE))
         ]
         figure.legend(
             handles=marks,

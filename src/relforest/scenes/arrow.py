@@ -62,19 +62,19 @@ def iso_text(column: ArrowArray) -> ArrowArray:
     return text
 
 
-def is_numeric(kind: ArrowType) -> bool:
+def is_numeric(datatype: ArrowType) -> bool:
     """Return whether values of a type are numbers (including booleans, as 0 and 1, and columns of nulls)."""
     types = pa.types
     tests = (types.is_integer, types.is_floating, types.is_decimal, types.is_boolean, types.is_null)
-    return any(test(kind) for test in tests)
+    return any(test(datatype) for test in tests)
 
 
-def is_temporal(kind: ArrowType) -> bool:
+def is_temporal(datatype: ArrowType) -> bool:
     """Return whether values of a type are dates, times or timestamps."""
-    return any(test(kind) for test in (pa.types.is_date, pa.types.is_time, pa.types.is_timestamp))
+    return any(test(datatype) for test in (pa.types.is_date, pa.types.is_time, pa.types.is_timestamp))
 
 
-def is_text(kind: ArrowType) -> bool:
+def is_text(datatype: ArrowType) -> bool:
     """Return whether values of a type are strings."""
     types = pa.types
-    return any(test(kind) for test in (types.is_string, types.is_large_string, types.is_string_view))
+    return any(test(datatype) for test in (types.is_string, types.is_large_string, types.is_string_view))

@@ -36,22 +36,22 @@ def id_column(table: Frame, name: str) -> ArrowArray:
             f"column {name!r} mixes types or exceeds 64 bits, but ids are all integers or all strings: "
             f"{_REMEDY}"
         )
-    kind, types = column.type, pa.types
+    datatype, types = column.type, pa.types
     try:
-        if types.is_floating(kind):
+        if types.is_floating(datatype):
             return _whole(column, name)
-        if is_temporal(kind):
+        if is_temporal(datatype):
             return iso_text(column)
-        if types.is_integer(kind) or types.is_null(kind) or types.is_decimal(kind):
+        if types.is_integer(datatype) or types.is_null(datatype) or types.is_decimal(datatype):
             return _integers(column)
-        if is_text(kind) or types.is_binary(kind) or types.is_large_binary(kind):
+        if is_text(datatype) or types.is_binary(datatype) or types.is_large_binary(datatype):
             return pc.cast(column, pa.large_string())
     except pa.ArrowException as error:
         raise InputError(
-            f"column {name!r} contains {kind} values that cannot be converted to text: {_REMEDY}"
+            f"column {name!r} contains {datatype} values that cannot be converted to text: {_REMEDY}"
         ) from error
     raise InputError(
-        f"column {name!r} contains {kind}, but ids are integers, strings, dates or times: {_REMEDY}"
+        f"column {name!r} contains {datatype}, but ids are integers, strings, dates or times: {_REMEDY}"
     )
 
 

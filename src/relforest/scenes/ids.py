@@ -57,10 +57,10 @@ def plain(value: object) -> object:
 
 def _from_sequence(what: str, values: list[object]) -> IdArray:
     # Types are compared, not values: a batch has few types and many identifiers.
-    kinds = set(map(type, values))
-    integers = {kind for kind in kinds if issubclass(kind, (int, np.integer)) and kind is not bool}
-    strings = {kind for kind in kinds if issubclass(kind, str)}
-    if kinds > integers | strings:
+    types = set(map(type, values))
+    integers = {each for each in types if issubclass(each, (int, np.integer)) and each is not bool}
+    strings = {each for each in types if issubclass(each, str)}
+    if types > integers | strings:
         wrong = next(value for value in values if type(value) not in integers | strings)
         raise InputError(f"{what} must be integers or strings, got {wrong!r}: convert them to strings")
     if integers and strings:

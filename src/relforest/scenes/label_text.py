@@ -40,12 +40,12 @@ def parsed_label(text: str) -> bool | int | float | str:
     return label
 
 
-def _spelled(texts: set[str], kind: type[int | float]) -> dict[str, int | float]:
+def _spelled(texts: set[str], number_type: type[int | float]) -> dict[str, int | float]:
     """Return the numbers among texts that are spelled as Python spells them."""
     numbers = {}
     for text in texts:
         try:
-            number = kind(text)
+            number = number_type(text)
         except ValueError:
             continue
         if str(number) == text and abs(number) < 2**63:

@@ -93,8 +93,8 @@ def _checked_labels(y: ArrayLike, n_expected: int, *, what: str) -> NDArray[Any]
         raise InputError(f"got {len(labels)} labels for {n_expected} {what}: give one label for each")
     if labels.dtype.kind == "O":
         labels = _of_one_type(labels, what)
-    kind = labels.dtype.kind
-    if kind == "f":
+    code = labels.dtype.kind
+    if code == "f":
         if not np.isfinite(labels).all():
             raise InputError(
                 f"labels contain NaN or infinite values: give each of the {what} one of the classes"
@@ -104,7 +104,7 @@ def _checked_labels(y: ArrayLike, n_expected: int, *, what: str) -> NDArray[Any]
                 "Unknown label type: continuous. The labels must be of two classes, such as 0 and 1: compare "
                 "your values with a threshold"
             )
-    elif kind not in "biuUOT":
+    elif code not in "biuUOT":
         raise InputError(_unknown(labels[0], what))
     return labels
 

@@ -153,8 +153,8 @@ def data_files(paths: Iterable[Path], origin: str) -> list[Path]:
     return found
 
 
-def _is_text(kind: ArrowType) -> bool:
-    return is_text(kind) or pa.types.is_binary(kind) or pa.types.is_large_binary(kind)
+def _is_text(datatype: ArrowType) -> bool:
+    return is_text(datatype) or pa.types.is_binary(datatype) or pa.types.is_large_binary(datatype)
 
 
 def _claimed_size(metadata: Any, n_columns: int) -> int:  # noqa: ANN401 - pyarrow has no type annotations
@@ -175,7 +175,9 @@ def _text_size(chunk: ArrowArray) -> int:
     return int(lengths[codes].sum(dtype=np.int64)) if len(lengths) else 0
 
 
-def _plain_type(kind: ArrowType) -> ArrowType:
-    if pa.types.is_dictionary(kind):
-        kind = kind.value_type
-    return pa.large_string() if is_text(kind) else pa.large_binary() if pa.types.is_binary(kind) else kind
+def _plain_type(datatype: ArrowType) -> ArrowType:
+    if pa.types.is_dictionary(datatype):
+        datatype = datatype.value_type
+    if is_text(datatype):
+        return pa.large_string()
+    return pa.large_binary() if pa.types.is_binary(datatype) else datatype

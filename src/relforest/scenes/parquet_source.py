@@ -72,8 +72,8 @@ class ParquetSource(TableFile):
     def _common_type(self, name: str) -> ArrowType:
         """Return the type of a column in all files, except where it has only nulls."""
         stored = [(file.origin, file.types[name]) for file in self.files]
-        known = [(origin, kind) for origin, kind in stored if not pa.types.is_null(kind)]
-        odd = [(origin, kind) for origin, kind in known if kind != known[0][1]]
+        known = [(origin, datatype) for origin, datatype in stored if not pa.types.is_null(datatype)]
+        odd = [(origin, datatype) for origin, datatype in known if datatype != known[0][1]]
         if odd:
             raise InputError(
                 f"column {name!r} contains {odd[0][1]} in {odd[0][0]}, but {known[0][1]} in {known[0][0]}: "

@@ -102,8 +102,8 @@ class SceneStream:
         if self.layout is not None:
             # As text, no id depends on whether the ids of its batch exceed 64 bits.
             for name in (self.layout.scene, self.layout.object, *self.layout.arguments):
-                kind = types.get(name or "", pa.null())
-                if pa.types.is_uint64(kind) or pa.types.is_decimal(kind):
+                datatype = types.get(name or "", pa.null())
+                if pa.types.is_uint64(datatype) or pa.types.is_decimal(datatype):
                     types[str(name)] = pa.large_string()
         return types
 

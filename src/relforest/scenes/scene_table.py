@@ -1,4 +1,4 @@
-"""Scenes read from table files of any kind, together with the columns that they came from."""
+"""Scenes read from table files of any format, together with the columns that they came from."""
 
 from __future__ import annotations
 

@@ -70,15 +70,15 @@ def open_table(source: Source, dialect: Dialect) -> TableFile:
         return open_parquet(path)
     suffix, *rest = [each.lower() for each in reversed(path.suffixes)] or [""]
     is_packed = suffix in _COMPRESSED_SUFFIXES
-    kind = (rest or [""])[0] if is_packed else suffix
-    if kind not in (*_CSV_SUFFIXES, *PARQUET_SUFFIXES):
+    ending = (rest or [""])[0] if is_packed else suffix
+    if ending not in (*_CSV_SUFFIXES, *PARQUET_SUFFIXES):
         known = ", ".join((*_CSV_SUFFIXES, *PARQUET_SUFFIXES))
         raise InputError(
             f"{source} has the suffix {suffix!r}: only {known} files can be read (also with "
             f"{', '.join(_COMPRESSED_SUFFIXES)}), and folders of Parquet files"
         )
-    if kind in PARQUET_SUFFIXES:
+    if ending in PARQUET_SUFFIXES:
         return parquet_from_bytes(read_bytes(path), str(path)) if is_packed else open_parquet(path)
-    if kind == ".tsv" and dialect.separator is None:
+    if ending == ".tsv" and dialect.separator is None:
         dialect = replace(dialect, separator="\t")
     return open_csv(read_bytes(path), str(path), dialect)

@@ -114,6 +114,6 @@ def _array(content: bytes, what: str) -> NDArray[Any]:
     return array
 
 
-def _is_plain(kind: np.dtype[Any]) -> bool:
+def _is_plain(dtype: np.dtype[Any]) -> bool:
     # Larger numbers differ between platforms.
-    return kind.kind in "biuf" and kind.itemsize <= 8
+    return dtype.kind in "biuf" and dtype.itemsize <= 8

@@ -222,17 +222,17 @@ def _gaps(sample: _Sample, points: Floats, others: Floats) -> Floats:
 def _check_invariance(sample: _Sample, rng: np.random.Generator) -> None:
     values = sample.values()
     size = np.linalg.norm(values, axis=-1)
-    for kind in _INVARIANT.get(sample.mapping.operation, ()):
-        moved = sample.values(matrix=sample.moved(_motion(kind, sample.mapping.attribute.dim, rng)))
+    for motion in _INVARIANT.get(sample.mapping.operation, ()):
+        moved = sample.values(matrix=sample.moved(_motion(motion, sample.mapping.attribute.dim, rng)))
         if (_gaps(sample, moved, values) > 1e-6 * (1.0 + size)).any():
-            raise violation("invariance", f"the values must not change under a {kind} of all objects")
+            raise violation("invariance", f"the values must not change under a {motion} of all objects")
 
 
-def _motion(kind: str, dim: int, rng: np.random.Generator) -> Motion:
-    if kind == "translation":
+def _motion(motion: str, dim: int, rng: np.random.Generator) -> Motion:
+    if motion == "translation":
         offset = rng.normal(size=dim)
         return lambda points: points + offset
-    if kind == "scaling":
+    if motion == "scaling":
         return lambda points: 3.0 * points
     turn = np.linalg.qr(rng.normal(size=(dim, dim)))[0]
     # A rotation, no reflection: frames keep left and right apart.

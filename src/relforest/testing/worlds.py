@@ -92,14 +92,14 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     for number, again in enumerate(walk(_make(make_env), seed, steps)):
         if not same_moment(moments[number], again):
             raise violation("determinism", f"two runs with seed {seed} differ at moment {number}")
-    _check_kinds(make_env, seed)
+    _check_integers(make_env, seed)
 
 
-def _check_kinds(make_env: MakeEnv, seed: int) -> None:
+def _check_integers(make_env: MakeEnv, seed: int) -> None:
     moments: list[Moment] = []
-    for kind in (np.int64, int, np.array):
+    for integer in (np.int64, int, np.array):
         env = _make(make_env)
-        action = kind(first_moment(env, seed).decision.indices[0])
+        action = integer(first_moment(env, seed).decision.indices[0])
         try:
             moments.append(next_moment(env, action))
         except Exception as error:

@@ -44,10 +44,10 @@ class Target:
 
     Parameters
     ----------
-    kind : int
+    task : int
         `BINARY`, `CLASSES` or `REAL`.
     sums : ndarray (n_scenes, k)
-        By kind: the weight as a negative and as a positive scene; the weight in each class; weight, weight
+        By task: the weight as a negative and as a positive scene; the weight in each class; weight, weight
         times value and weight times squared value, the values being standardised.
     strata : int64 ndarray (n_scenes,)
         A number for the class, or for whether the value is above the mean; samples are drawn in proportion.
@@ -57,16 +57,16 @@ class Target:
         Mean and standard deviation of the values, for leaves; the latter negative if the values are negated.
     """
 
-    kind: int
+    task: int
     sums: NDArray[np.float64]
     strata: NDArray[np.int64]
     weighted: bool = False
     scale: tuple[float, float] = (0.0, 1.0)
     common: int = field(init=False)
-    """The class with the largest weight, 0 for other kinds."""
+    """The class with the largest weight, 0 for other tasks."""
 
     def __post_init__(self) -> None:
-        common = int(self.sums.sum(axis=0).argmax()) if self.kind == CLASSES else 0
+        common = int(self.sums.sum(axis=0).argmax()) if self.task == CLASSES else 0
         object.__setattr__(self, "common", common)
 
     @classmethod
@@ -142,13 +142,13 @@ class Target:
 
     @classmethod
     def _of_classes(
-        cls, kind: int, codes: NDArray[np.int64], n_classes: int, weights: NDArray[np.float64] | None
+        cls, task: int, codes: NDArray[np.int64], n_classes: int, weights: NDArray[np.float64] | None
     ) -> Target:
         sums = np.zeros((len(codes), n_classes))
         weighted = weights is not None and bool((weights != weights[0]).any())
         each = 1.0 if weights is None or not weighted else effective_weights(weights)
         sums[np.arange(len(codes)), codes] = each
-        return cls(kind, sums, codes, weighted)
+        return cls(task, sums, codes, weighted)
 
     def __len__(self) -> int:
         """Return the number of scenes."""
@@ -157,11 +157,11 @@ class Target:
     @property
     def n_values(self) -> int:
         """Free parameters of a leaf."""
-        return self.sums.shape[1] - 1 if self.kind == CLASSES else 1
+        return self.sums.shape[1] - 1 if self.task == CLASSES else 1
 
     def permuted(self, order: NDArray[np.int64]) -> Target:
         """Return the target with what is known about scene ``order[i]`` given to scene i."""
-        return Target(self.kind, self.sums[order], self.strata[order], self.weighted, self.scale)
+        return Target(self.task, self.sums[order], self.strata[order], self.weighted, self.scale)
 
     def assign(self, presence: NDArray[np.bool_]) -> Assignment:
         """Assign the values of leaves; see `Assignment`.
@@ -172,15 +172,15 @@ class Target:
             Whether any instantiation sequence of the scene arrives at the leaf. Every scene is present
             somewhere.
         """
-        value, sums, winner = assigned(presence, self.sums, self.kind, self.common)
+        value, sums, winner = assigned(presence, self.sums, self.task, self.common)
         return Assignment(value, sums, winner, self._log_likelihood(value, sums))
 
     def _log_likelihood(self, value: NDArray[np.float64], sums: NDArray[np.float64]) -> float:
-        if self.kind == BINARY:
+        if self.task == BINARY:
             bounded = np.clip(value, _LEAST, 1.0 - _LEAST)
             terms = sums[:, 1] * np.log(bounded) + sums[:, 0] * np.log1p(-bounded)
             return float(terms.sum())
-        if self.kind == CLASSES:
+        if self.task == CLASSES:
             return float(xlogy(sums, sums).sum() - xlogy(sums.sum(axis=1), sums.sum(axis=1)).sum())
         weight = sums[:, 0].sum()
         unexplained = (sums[:, 2] - 2.0 * value * sums[:, 1] + value * value * sums[:, 0]).sum()
@@ -199,25 +199,25 @@ class Target:
         return self.assign(imagined).log_likelihood
 
     def _best(self, assignment: Assignment, leaf: int) -> NDArray[np.bool_]:
-        if self.kind == REAL:
+        if self.task == REAL:
             return np.asarray(self.sums[:, 1] > assignment.value[leaf] * self.sums[:, 0])
         special = 1
-        if self.kind == CLASSES:
+        if self.task == CLASSES:
             shares = assignment.sums[leaf].copy()
             shares[self.common] = -1.0
             special = int(shares.argmax())
         return np.asarray(self.strata == special)
 
     def views(self, scenes: NDArray[np.int64]) -> list[View]:
-        """Return how volumes may separate scenes: as one kind of bags against the others.
+        """Return how volumes may separate scenes: as some of the bags against the others.
 
         For several classes, there is a view for each of them but the common one.
         """
-        if self.kind == REAL:
+        if self.task == REAL:
             weight, total = self.sums[scenes, 0], self.sums[scenes, 1]
             above = total > weight * (total.sum() / max(weight.sum(), 1e-300))
             return [View(above, self.sums[scenes, :2], "squared-error")] if above.any() else []
-        if self.kind == BINARY:
+        if self.task == BINARY:
             candidates = [1]
         else:
             candidates = [code for code in range(self.sums.shape[1]) if code != self.common]
@@ -240,7 +240,7 @@ class Target:
             n, positive = len(view.labels), int(np.count_nonzero(view.labels))
             return score - float(xlogy(positive, positive / n) + xlogy(n - positive, (n - positive) / n))
         weight, total = view.evidence.sum(axis=0).tolist()
-        if self.kind != REAL:
+        if self.task != REAL:
             both = weight + total
             return score - float(xlogy(total, total / both) + xlogy(weight, weight / both))
         spread = max(float(self.sums[scenes, 2].sum()) - total * total / weight, 1e-300)
@@ -252,12 +252,12 @@ class Target:
         n_leaves, n_strata = len(assignment.value), max(self.sums.shape[1], 2)
         scenes = np.zeros((n_leaves, n_strata), dtype=np.int64)
         np.add.at(scenes, (assignment.winner, self.strata), 1)
-        if self.kind == BINARY:
+        if self.task == BINARY:
             return [
                 Leaf(float(p), int(negatives), int(positives))
                 for p, (negatives, positives) in zip(assignment.value, scenes, strict=True)
             ]
-        if self.kind == REAL:
+        if self.task == REAL:
             return [self._mean_leaf(i, assignment, int(scenes[i].sum())) for i in range(n_leaves)]
         rest = self.sums.sum(axis=0)
         leaves: list[AnyLeaf] = []

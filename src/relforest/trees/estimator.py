@@ -276,7 +276,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
     Parameters
     ----------
     decides : {"highest", "lowest", "either"}, default "either"
-        Which leaf decides. With "either", a tree of each kind is grown, each at its share of `alpha`, and the
+        Which leaf decides. With "either", a tree of each is grown, each at its share of `alpha`, and the
         one under which the targets are more likely is kept.
 
     Attributes

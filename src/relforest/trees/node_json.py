@@ -68,22 +68,22 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
 
     `attributes` are the attributes of the schema, by name.
     """
-    kind = document["kind"]
-    if kind == "leaf":
+    node_type = document["kind"]
+    if node_type == "leaf":
         negatives, positives = _counts(document["negatives"], document["positives"])
         return Leaf(in_range("probability", document["probability"], 0.0, 1.0), negatives, positives)
-    if kind == "mean":
+    if node_type == "mean":
         mean = in_range("mean", document["mean"], -LARGEST_NUMBER, LARGEST_NUMBER)
         deviation = in_range("deviation", document["deviation"], 0.0, LARGEST_NUMBER)
         lowest = document.get("lowest", False)
         if not isinstance(lowest, bool):
             raise ModelFormatError(f"lowest must be true or false, got {reprlib.repr(lowest)}")
         return MeanLeaf(-mean if lowest else mean, 0, _counts(document["scenes"])[0], deviation, lowest)
-    if kind == "classes":
+    if node_type == "classes":
         return _class_leaf(document)
-    if kind == "instantiation":
+    if node_type == "instantiation":
         return Instantiation(_whole(document["child"]))
-    if kind == "question":
+    if node_type == "question":
         name = document["attribute"]
         if name not in attributes:
             raise ModelFormatError(
@@ -96,7 +96,7 @@ def node_from_dict(document: dict[str, Any], attributes: Dictionary[str, Attribu
         volume = volume_from_dict(document["volume"])
         return Question(mapping, variables, volume, yes, no, error, bounds)
     raise ModelFormatError(
-        f"unknown node kind {reprlib.repr(kind)}: expected leaf, instantiation or question"
+        f"unknown node type {reprlib.repr(node_type)}: expected leaf, instantiation or question"
     )
 
 

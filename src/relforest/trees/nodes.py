@@ -1,4 +1,4 @@
-"""The three kinds of nodes of a SMRF tree (Palmer 2015, section 4.1, Figure 4.1)."""
+"""The three types of nodes of a SMRF tree (Palmer 2015, section 4.1, Figure 4.1)."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Tree:
     ------
     InputError
         If the nodes do not form a tree in that order, the tree is too large, a question uses an unbound
-        variable, or leaves are of several kinds.
+        variable, or leaves are of several types.
 
     References
     ----------
@@ -65,9 +65,9 @@ class Tree:
     def __post_init__(self) -> None:
         bound, above = check_structure(self.schema, self.nodes)
         leaves = tuple(i for i, node in enumerate(self.nodes) if isinstance(node, AnyLeaf))
-        kinds = {_kind(self.nodes[leaf]) for leaf in leaves}
-        if len(kinds) > 1:
-            raise InputError("the leaves of a tree must be of one kind, and have the same number of classes")
+        types = {_leaf_type(self.nodes[leaf]) for leaf in leaves}
+        if len(types) > 1:
+            raise InputError("the leaves of a tree must be of one type, and have the same number of classes")
         object.__setattr__(self, "leaves", leaves)
         object.__setattr__(self, "questions_above", tuple(above[leaf] for leaf in leaves))
         object.__setattr__(self, "n_bound", tuple(bound))
@@ -173,5 +173,5 @@ class Tree:
             return cls(schema, tuple(node_from_dict(node, attributes) for node in checked["nodes"]))
 
 
-def _kind(leaf: Node) -> tuple[type[Node], int]:
+def _leaf_type(leaf: Node) -> tuple[type[Node], int]:
     return type(leaf), len(leaf.shares) if isinstance(leaf, ClassLeaf) else 0

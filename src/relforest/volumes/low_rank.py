@@ -3,7 +3,7 @@
 Along the principal axes of the prior (`principal_axes`) V of eq. 3.6 is a diagonal plus the scatter of
 the keys, whose rank is below their number. With A the diagonal and S the rows that add up to the
 scatter, ``S.T @ S``, the Woodbury identity gives ``inv(V) = inv(A) - T.T @ T``, where
-``T = inv(L) @ S @ inv(A)`` and ``L @ L.T = I + S @ inv(A) @ S.T``. A metric (d, d) of this kind holds T
+``T = inv(L) @ S @ inv(A)`` and ``L @ L.T = I + S @ inv(A) @ S.T``. A metric (d, d) of this form holds T
 in its first rows and the diagonal of ``inv(A)`` in its last.
 """
 

@@ -56,7 +56,7 @@ def test_everything_that_the_format_allows_is_understood(write: Write) -> None:
             '@ATTRIBUTE\t"a \\"bag\\"" Relational % { } in a comment\r\n'
             "    @attribute 'it''s' real\r\n".replace("''", "\\'")
             + "    @attribute (NI)odd INTEGER\r\n"
-            "    @attribute kind { 'no, thing' , \"%\",plain } % values\r\n"
+            "    @attribute shape { 'no, thing' , \"%\",plain } % values\r\n"
             "@end 'a \"bag\"'\r\n"
             "@attribute class {east,west}\r\n"
             "@DATA\r\n"
@@ -162,15 +162,15 @@ NAMES = st.text(st.characters(codec="utf-8", exclude_characters="\r\0"), min_siz
 def test_what_is_written_is_read(write: Write, drawn: Drawn, data: st.DataObject) -> None:
     points, starts, labels = drawn
     names = data.draw(st.lists(NAMES, min_size=len(labels), max_size=len(labels), unique=True))
-    kinds = data.draw(st.lists(NAMES, min_size=2, max_size=2, unique=True))
+    shapes = data.draw(st.lists(NAMES, min_size=2, max_size=2, unique=True))
     expected = BagSet(np.split(points, starts[1:-1]), labels, np.array(names, dtype=object))
     head = (
         "@relation r\n@attribute id string\n@attribute bag relational\n@attribute f numeric\n"
-        f"@attribute g numeric\n@attribute kind {{{','.join(map(quoted, kinds))}}}\n"
+        f"@attribute g numeric\n@attribute shape {{{','.join(map(quoted, shapes))}}}\n"
         "@end bag\n@attribute class {0,1}\n@data\n"
     )
     instances = [
-        "\n".join(f"{f!r},{g!r},{quoted(kinds[1])}" for f, g in bag.tolist()) for bag in expected.bags
+        "\n".join(f"{f!r},{g!r},{quoted(shapes[1])}" for f, g in bag.tolist()) for bag in expected.bags
     ]
     rows = [
         f"{quoted(name)},{quoted(bag)},{int(label)}\n"

@@ -24,7 +24,7 @@ from relforest.support.errors import InputError
 Floats = NDArray[np.float64]
 Machine = type[BagMarginSVMClassifier | InstanceMarginSVMClassifier | SingleInstanceSVMClassifier]
 ALL: list[Machine] = [BagMarginSVMClassifier, InstanceMarginSVMClassifier, SingleInstanceSVMClassifier]
-each_machine = pytest.mark.parametrize("kind", ALL)
+each_machine = pytest.mark.parametrize("machine", ALL)
 
 
 def drawn(seed: int = 0, n_bags: int = 60) -> tuple[list[Floats], NDArray[np.int64]]:
@@ -73,11 +73,11 @@ def slow_instance_margin(bags: list[Floats], y: NDArray[np.int64], gamma: float)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_mi_svm_agrees_with_plain_loops(seed: int) -> None:
     bags, y = drawn(seed)
-    for kind, slow in [
+    for learner, slow in [
         (BagMarginSVMClassifier, slow_bag_margin),
         (InstanceMarginSVMClassifier, slow_instance_margin),
     ]:
-        model: Any = kind(tol=1e-6).fit(bags, y)
+        model: Any = learner(tol=1e-6).fit(bags, y)
         machine, rounds = slow(bags, y, model.gamma_)
 
         assert model.converged_
@@ -87,67 +87,67 @@ def test_mi_svm_agrees_with_plain_loops(seed: int) -> None:
 
 
 @each_machine
-def test_with_one_instance_per_bag_each_is_a_plain_machine(kind: Machine) -> None:
+def test_with_one_instance_per_bag_each_is_a_plain_machine(machine: Machine) -> None:
     rng = np.random.default_rng(0)
     y = np.arange(50) % 2
     points = rng.normal(size=(50, 3)) + y[:, np.newaxis]
-    model = kind(C=200.0, gamma=0.3, tol=1e-6).fit(points, y)
+    model = machine(C=200.0, gamma=0.3, tol=1e-6).fit(points, y)
     expected = SVC(C=4.0, gamma=0.3, tol=1e-6).fit(points, y)
 
     np.testing.assert_allclose(model.decision_function(points), expected.decision_function(points), atol=1e-3)
-    unscaled = kind(C=4.0, gamma=0.3, tol=1e-6, scale_C=False).fit(points, y)
+    unscaled = machine(C=4.0, gamma=0.3, tol=1e-6, scale_C=False).fit(points, y)
     np.testing.assert_allclose(unscaled.decision_function(points), model.decision_function(points), atol=1e-3)
 
 
 @each_machine
-def test_gamma_is_the_heuristic_one_times_the_factor(kind: Machine) -> None:
+def test_gamma_is_the_heuristic_one_times_the_factor(machine: Machine) -> None:
     bags, y = drawn()
-    model = kind().fit(bags, y)
-    doubled = kind(gamma_factor=2.0).fit(bags, y)
+    model = machine().fit(bags, y)
+    doubled = machine(gamma_factor=2.0).fit(bags, y)
 
     assert doubled.gamma_ == pytest.approx(2 * model.gamma_)
-    explicit = kind(gamma=doubled.gamma_).fit(bags, y)
+    explicit = machine(gamma=doubled.gamma_).fit(bags, y)
     np.testing.assert_array_equal(explicit.decision_function(bags), doubled.decision_function(bags))
 
 
 @each_machine
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_neither_order_nor_place_matters(kind: Machine, seed: int) -> None:
+def test_neither_order_nor_place_matters(machine: Machine, seed: int) -> None:
     bags, y = drawn(seed)
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(bags))
     shift = np.array([100.0, -50.0])
     moved = [rng.permutation(bags[i]) + shift for i in order]
-    expected = kind(tol=1e-6).fit(bags, y).decision_function(bags)
+    expected = machine(tol=1e-6).fit(bags, y).decision_function(bags)
 
-    scores = kind(tol=1e-6).fit(moved, y[order]).decision_function(moved)
+    scores = machine(tol=1e-6).fit(moved, y[order]).decision_function(moved)
     np.testing.assert_allclose(scores, expected[order], atol=1e-3)
 
 
 @each_machine
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_instances_given_twice(kind: Machine, seed: int) -> None:
+def test_instances_given_twice(machine: Machine, seed: int) -> None:
     # gamma is given, since the heuristic one would count the distances between equal instances.
     bags, y = drawn(seed)
-    expected = kind(gamma=0.3, tol=1e-6).fit(bags, y).decision_function(bags)
+    expected = machine(gamma=0.3, tol=1e-6).fit(bags, y).decision_function(bags)
     # The single-instance machine and mi-SVM share C out among instances: twice as many at half the price.
     # MI-SVM shares it out among bags, and every negative instance has its price, so that twice as many weigh
     # more: only those of positive bags may come twice, where the mean and the witness stay.
-    if kind is BagMarginSVMClassifier:
+    if machine is BagMarginSVMClassifier:
         doubled = [np.repeat(bag, 1 + label, axis=0) for bag, label in zip(bags, y, strict=True)]
     else:
         doubled = [np.repeat(bag, 2, axis=0) for bag in bags]
 
-    scores = kind(gamma=0.3, tol=1e-6).fit(doubled, y).decision_function(bags)
+    scores = machine(gamma=0.3, tol=1e-6).fit(doubled, y).decision_function(bags)
     np.testing.assert_allclose(scores, expected, atol=1e-3)
 
 
 @each_machine
-def test_storing_kernel_values_changes_nothing(kind: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_storing_kernel_values_changes_nothing(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     bags, y = drawn()
-    stored = kind(tol=1e-6).fit(bags, y)
+    stored = machine(tol=1e-6).fit(bags, y)
     monkeypatch.setattr(kernel_machine, "MOST_STORED_POINTS", 1)
-    computed = kind(tol=1e-6).fit(bags, y)
+    computed = machine(tol=1e-6).fit(bags, y)
 
     np.testing.assert_allclose(computed.decision_function(bags), stored.decision_function(bags), atol=1e-3)
 
@@ -179,8 +179,8 @@ def test_scores_on_fresh_bags() -> None:
     train, test = covariant1(rng), covariant1(rng)
     far, other = disjunctive(rng), disjunctive(rng)
     scores = [
-        peirce_skill_score(test.labels, kind().fit(train.bags, train.labels).predict(test.bags))
-        for kind in (BagMarginSVMClassifier, InstanceMarginSVMClassifier)
+        peirce_skill_score(test.labels, machine().fit(train.bags, train.labels).predict(test.bags))
+        for machine in (BagMarginSVMClassifier, InstanceMarginSVMClassifier)
     ]
 
     # 100 other draws gave means of 0.75 and 0.68 here, and 0.63 on the next.
@@ -190,20 +190,20 @@ def test_scores_on_fresh_bags() -> None:
 
 
 @each_machine
-def test_labels_of_any_kind_and_cross_validation(kind: Machine) -> None:
+def test_labels_of_any_type_and_cross_validation(machine: Machine) -> None:
     bags, y = drawn()
     names = np.where(y == 1, "yes", "no")
 
-    assert set(kind().fit(bags, names).predict(bags)) == {"yes", "no"}
-    assert cross_val_score(clone(kind()), bags, y, cv=3).mean() > 0.6
+    assert set(machine().fit(bags, names).predict(bags)) == {"yes", "no"}
+    assert cross_val_score(clone(machine()), bags, y, cv=3).mean() > 0.6
 
 
 def test_rounds_are_capped() -> None:
     bags, y = drawn()
-    for kind in (BagMarginSVMClassifier, InstanceMarginSVMClassifier):
-        model = kind(max_iter=1).fit(bags, y)
+    for machine in (BagMarginSVMClassifier, InstanceMarginSVMClassifier):
+        model = machine(max_iter=1).fit(bags, y)
         assert (model.n_iter_, model.converged_) == (1, False)
-        stopped = kind(max_solver_iter=3).fit(bags, y)
+        stopped = machine(max_solver_iter=3).fit(bags, y)
         assert not stopped.converged_
     assert not SingleInstanceSVMClassifier(max_solver_iter=3).fit(bags, y).converged_
     assert SingleInstanceSVMClassifier().fit(bags, y).converged_
@@ -219,7 +219,7 @@ def test_rounds_are_capped() -> None:
         ("max_solver_iter", 0, "max_solver_iter must be an integer of at least 1, got 0"),
     ],
 )
-def test_options_out_of_range_are_refused(kind: Machine, option: str, value: float, message: str) -> None:
+def test_options_out_of_range_are_refused(machine: Machine, option: str, value: float, message: str) -> None:
     bags, y = drawn()
     with pytest.raises(InputError, match=message):
-        kind(**{option: value}).fit(bags, y)  # type: ignore[arg-type]
+        machine(**{option: value}).fit(bags, y)  # type: ignore[arg-type]

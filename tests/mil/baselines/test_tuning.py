@@ -123,7 +123,7 @@ def test_pipelines_may_be_nested() -> None:
 
 
 @pytest.mark.parametrize(
-    ("estimator", "kind"),
+    ("estimator", "name"),
     [
         (CovAggClassifier(), "CovAggClassifier"),
         (make_pipeline(MILESClassifier(), BagScaler()), "BagScaler"),
@@ -132,8 +132,8 @@ def test_pipelines_may_be_nested() -> None:
         (Pipeline([]), "Pipeline"),
     ],
 )
-def test_what_has_no_radial_kernel_is_refused(estimator: Any, kind: str) -> None:
-    message = f"{kind} does not have the parameter 'C': only machines with a radial kernel .* of a pipeline"
+def test_what_has_no_radial_kernel_is_refused(estimator: Any, name: str) -> None:
+    message = f"{name} does not have the parameter 'C': only machines with a radial kernel .* of a pipeline"
     with pytest.raises(InputError, match=message):
         tuned(estimator)
 

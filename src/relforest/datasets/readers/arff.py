@@ -148,7 +148,7 @@ def _read_head(lines: Iterator[tuple[int, str]], origin: str) -> BagRelation:
                 attribute = parse_attribute(rest)
                 if relational is not None:
                     relational = replace(relational, members=(*relational.members, attribute))
-                elif attribute.kind == "relational":
+                elif attribute.datatype == "relational":
                     relational = attribute
                 else:
                     outer.append(attribute)
@@ -164,17 +164,17 @@ def _read_head(lines: Iterator[tuple[int, str]], origin: str) -> BagRelation:
 
 
 def _bag_relation(declared: list[Attribute]) -> BagRelation:
-    if [attribute.kind == "relational" for attribute in declared] != [False, True, False]:
-        listed = ", ".join(f"{attribute.name!r} ({attribute.kind})" for attribute in declared) or "none"
+    if [attribute.datatype == "relational" for attribute in declared] != [False, True, False]:
+        listed = ", ".join(f"{attribute.name!r} ({attribute.datatype})" for attribute in declared) or "none"
         raise FieldError(
             "bags need three attributes, a name, a relational one with the instances, and a class; "
             f"this file declares {listed}. Save a flat table as CSV and use read_csv"
         )
     features = declared[1].members
-    odd = next((member for member in features if member.kind not in {"numeric", "nominal"}), None)
+    odd = next((member for member in features if member.datatype not in {"numeric", "nominal"}), None)
     if odd is not None:
         raise FieldError(
-            f"attribute {odd.name!r} of the instances has type {odd.kind}: only numeric and nominal ones "
+            f"attribute {odd.name!r} of the instances has type {odd.datatype}: only numeric and nominal ones "
             "are supported, so remove it"
         )
     if not features:
@@ -198,7 +198,9 @@ def _components(row_number: int, fields: Sequence[str], features: Sequence[Attri
     components: list[float] = []
     for field, attribute in zip(fields, features, strict=True):
         try:
-            components += [number(field)] if attribute.kind == "numeric" else _indicators(field, attribute)
+            components += (
+                [number(field)] if attribute.datatype == "numeric" else _indicators(field, attribute)
+            )
         except FieldError as error:
             raise FieldError(f"instance {row_number}, attribute {attribute.name!r}: {error}") from error
     return components
@@ -210,7 +212,7 @@ def _indicators(field: str, attribute: Attribute) -> list[float]:
 
 
 def _check_declared(what: str, field: str, attribute: Attribute) -> None:
-    if attribute.kind == "nominal" and field not in attribute.values:
+    if attribute.datatype == "nominal" and field not in attribute.values:
         raise FieldError(
             f"the {what} {field!r} is not declared: add it to the attribute {attribute.name!r} or correct it"
         )

@@ -10,9 +10,9 @@ from relforest.datasets.readers.fields import FieldError
 
 __all__ = ["Attribute", "parse_attribute", "split_fields", "split_statement"]
 
-Kind = Literal["numeric", "nominal", "string", "date", "relational"]
+Datatype = Literal["numeric", "nominal", "string", "date", "relational"]
 
-_KINDS: Final = {
+_DATATYPES: Final = {
     "numeric": "numeric",
     "real": "numeric",
     "integer": "numeric",
@@ -42,7 +42,7 @@ class Attribute:
     ----------
     name : str
         Without quotes.
-    kind : {"numeric", "nominal", "string", "date", "relational"}
+    datatype : {"numeric", "nominal", "string", "date", "relational"}
     values : tuple of str
         Those of a nominal attribute, in the order of declaration.
     members : tuple of Attribute
@@ -50,7 +50,7 @@ class Attribute:
     """
 
     name: str
-    kind: Kind
+    datatype: Datatype
     values: tuple[str, ...] = ()
     members: tuple[Attribute, ...] = ()
 
@@ -72,20 +72,20 @@ def parse_attribute(text: str) -> Attribute:
     found = _DECLARATION.match(text)
     if found is None:
         raise FieldError("@attribute needs a name (in quotes if it has spaces) and a type")
-    single, double, plain, kind = found[1], found[2], found[3], found[4]
+    single, double, plain, datatype = found[1], found[2], found[3], found[4]
     name = plain or _unescaped(double if single is None else single)
-    if kind.startswith("{"):
-        listed = _VALUES.fullmatch(kind)
+    if datatype.startswith("{"):
+        listed = _VALUES.fullmatch(datatype)
         if listed is None:
             raise FieldError(f"the values of attribute {name!r} must be enclosed in {{ and }}")
         return Attribute(name, "nominal", tuple(split_fields(listed[1])))
-    word = split_statement(kind)[0]
-    if word not in _KINDS:
+    word = split_statement(datatype)[0]
+    if word not in _DATATYPES:
         raise FieldError(
             f"attribute {name!r} has the type {word!r}: it must be numeric, string, relational or a list of "
             "values in braces, such as {a,b}"
         )
-    return Attribute(name, cast("Kind", _KINDS[word]))
+    return Attribute(name, cast("Datatype", _DATATYPES[word]))
 
 
 def split_fields(line: str) -> list[str]:

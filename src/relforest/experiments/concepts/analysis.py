@@ -1,4 +1,4 @@
-"""Table -> scores by concept and kind of test scenes, claims, models of each concept in words, a figure."""
+"""Table -> scores by concept and test scenes, claims, models of each concept in words, a figure."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from relforest.reports.style import BLUE, INK, ORANGE, styled
 
 
 def concept_models(table: Table) -> Iterator[tuple[str, str, str, Table]]:
-    """Yield concept, kind of test scenes, method and a row per model; the methods next to each other."""
+    """Yield concept, test scenes, method and a row per model; the methods next to each other."""
     for (concept, test), there in table.groups("concept", "test").items():
         for (method,), own in there.groups("method").items():
             yield str(concept), str(test), str(method), own

@@ -37,7 +37,7 @@ _ELLIPSE_SEED: Final = 20_000
 
 
 def compute(setting: ConceptSetting, context: Context) -> list[Row]:
-    """Return a row per kind of test scenes: concept, method, replicate, test, pss, leaves, words, ellipse.
+    """Return a row per set of test scenes: concept, method, replicate, test, pss, leaves, words, ellipse.
 
     The last one, for "between", is the score of the best single ellipse on the same test scenes.
 
@@ -115,4 +115,4 @@ SCENES: Final[Mapping[str, tuple[tuple[str, Draw], ...]]] = {
         (LARGER, partial(yellow_scenes, n_objects=N_OBJECTS_LARGER)),
     ),
 }
-"""For each concept the kinds of scenes that its trees are tested on; the first one is also learned from."""
+"""For each concept the scenes that its trees are tested on; the first one is also learned from."""

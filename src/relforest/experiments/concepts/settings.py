@@ -71,7 +71,7 @@ THRESHOLDS: Final[Mapping[tuple[str, str], float]] = {
     ("yellow", SAME): 0.85,
     ("yellow", LARGER): 0.85,
 }
-"""Mean test score to be reached, by concept and kind of test scenes."""
+"""Mean test score to be reached, by concept and test scenes."""
 
 STRICT_ALPHA: Final = 1e-3
 """The level at which the thresholds must be reached. The likelihood ratio test is anti-conservative: at 0.05

@@ -83,7 +83,7 @@ def summarize(table: Table) -> Findings:
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
-    """Draw rewards by number of episodes, then rewards and leaves by kind of features."""
+    """Draw rewards by number of episodes, then rewards and leaves by features."""
     by_episodes = {"500 episodes": _runs(table, _FAST), "10 episodes": _runs(table, _SLOW)}
     by_features = {"densities and bits": _runs(table, _SLOW), "bits only": _runs(table, _BITS)}
     return {

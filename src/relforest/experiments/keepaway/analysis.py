@@ -39,7 +39,7 @@ def summarize(table: Table) -> Findings:
     sheets = (_durations(samples), _events(samples), _learning(samples), _speed(samples))
     physics = _physics(samples)
     recorded = "Recorded steps of the real server outside the bounds of the formulas"
-    columns = dict.fromkeys(("kind", "steps", "outside"), "")
+    columns = dict.fromkeys(("motion", "steps", "outside"), "")
     return Findings(
         "" if physics else _NO_PHYSICS,
         tuple(_claims(samples)),
@@ -73,10 +73,10 @@ def _measured(samples: Samples, game: str, policy: str, name: str) -> float:
 
 
 def _physics(samples: Samples) -> tuple[tuple[str, int, int], ...]:
-    """Return kind, number and violations of the recorded steps; nothing if there is no recording."""
+    """Return motion, number and violations of the recorded steps; nothing if there is no recording."""
     found = {name: int(value[0]) for name, value in samples.below(PHYSICS, _BENCHMARK, "").items()}
-    kinds = dict.fromkeys(name.partition(":")[0] for name in found)
-    return tuple((kind, found[f"{kind}: steps"], found[f"{kind}: violations"]) for kind in kinds)
+    motions = dict.fromkeys(name.partition(":")[0] for name in found)
+    return tuple((motion, found[f"{motion}: steps"], found[f"{motion}: violations"]) for motion in motions)
 
 
 def _played(samples: Samples) -> Iterator[tuple[str, str, dict[str, float]]]:
@@ -143,8 +143,8 @@ def _speed(samples: Samples) -> Sheet:
 
 
 def _claims(samples: Samples) -> Iterator[Claim]:
-    for kind, _, violations in _physics(samples):
-        yield Claim(f"recorded steps outside the bounds, {kind}", float(violations), high=0.0)
+    for motion, _, violations in _physics(samples):
+        yield Claim(f"recorded steps outside the bounds, {motion}", float(violations), high=0.0)
     for policy, (low, high) in settings.DURATION_BOUNDS.items():
         mean = _measured(samples, _BENCHMARK, policy, "mean")
         yield Claim(f"{_BENCHMARK}, {policy}: mean duration", mean, low=low, high=high)

@@ -71,9 +71,9 @@ def _physics(_setting: KeepawaySetting, _context: Context) -> Measures:
     path = None if folder is None else Path(folder) / TRAJECTORIES
     if path is None or not path.exists():
         return
-    for kind, count in recorded_step_counts(path).items():
-        yield f"{kind}: steps", float(count.steps)
-        yield f"{kind}: violations", float(count.violations)
+    for motion, count in recorded_step_counts(path).items():
+        yield f"{motion}: steps", float(count.steps)
+        yield f"{motion}: violations", float(count.violations)
 
 
 def _durations(setting: KeepawaySetting, context: Context) -> Measures:

@@ -43,7 +43,7 @@ def recorded_steps(path: Path) -> Steps:
 
 
 def recorded_step_counts(path: Path) -> dict[str, StepCount]:
-    """Count the steps of a recording of server 19 by kind, and those that no noise can explain."""
+    """Count the steps of a recording of server 19 by motion, and those that no noise can explain."""
     return step_violations(
         recorded_steps(path),
         rounding=_ROUNDING,

@@ -36,7 +36,7 @@ class Method:
         As tables have it.
     key : int
         Its number in the names of random streams; never given to another one.
-    kind : callable
+    estimator : callable
         Makes the learner from keyword arguments. If its parameters include ``random_state``, it is given one.
     is_tuned : bool
         Whether ``C`` and ``gamma_factor`` are chosen on separate draws of each data set.
@@ -44,7 +44,7 @@ class Method:
 
     title: str
     key: int
-    kind: Callable[..., Any]
+    estimator: Callable[..., Any]
     is_tuned: bool = False
 
     def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> BagClassifier:
@@ -57,7 +57,7 @@ class Method:
         parameters : mapping of str to float
             What differs from the defaults.
         """
-        learner = self.kind(**parameters)
+        learner = self.estimator(**parameters)
         if "random_state" in learner.get_params():
             learner.set_params(random_state=int(seed.generate_state(1)[0]))
         made: BagClassifier = learner

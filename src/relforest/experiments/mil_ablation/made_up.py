@@ -38,8 +38,8 @@ def three_parts(rng: np.random.Generator, n_bags: int = 100) -> BagSet:
     for positive in labels:
         bag = rng.standard_normal((6, 6))
         if positive:
-            kind = rng.integers(3)
-            bag[0] = centres[kind] + planes[kind] @ rng.standard_normal(2) + 0.25 * rng.standard_normal(6)
+            part = rng.integers(3)
+            bag[0] = centres[part] + planes[part] @ rng.standard_normal(2) + 0.25 * rng.standard_normal(6)
         bags.append(bag)
     return BagSet(bags, labels)
 
@@ -103,12 +103,12 @@ def elements(rng: np.random.Generator, n_bags: int = 150) -> BagSet:
         size = int(np.clip(8 + 3 * trait + 2 * rng.standard_normal(), 4, 20))
         element = rng.choice(4, size, p=[0.45, 0.35, 0.12, 0.08])
         ring = np.where(rng.random(size) < 1.0 / (1.0 + np.exp(-trait)), _SEVENTH, _SIXTH)
-        kind = np.where(element == 0, ring, np.array([0, 3, 38, 40])[element])
+        types = np.where(element == 0, ring, np.array([0, 3, 38, 40])[element])
         charge = np.array([-0.1, 0.14, 0.8, -0.4])[element] + 0.03 * rng.standard_normal(size)
-        charge += 0.05 * (kind == _SEVENTH) + 0.02 * trait
+        charge += 0.05 * (types == _SEVENTH) + 0.02 * trait
         positive = bool(trait + 0.5 * rng.standard_normal() + 0.8 * (element == 3).any() > 0.0)
         if labels.count(positive) < wanted[positive]:
-            bags.append(np.column_stack([charge, kind, np.eye(6)[element]]))
+            bags.append(np.column_stack([charge, types, np.eye(6)[element]]))
             labels.append(positive)
     return BagSet(bags, np.array(labels))
 

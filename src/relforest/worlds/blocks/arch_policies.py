@@ -29,7 +29,7 @@ ERROR: Final = 0.5
 EXPLORATION: Final = 0.1
 """Probability that the trainer acts at random."""
 
-_ROTATE, _MOVE, _DONE = (ARCH_ACTIONS.index(kind) for kind in (ROTATE, MOVE, DONE))
+_ROTATE, _MOVE, _DONE = (ARCH_ACTIONS.index(action) for action in (ROTATE, MOVE, DONE))
 
 
 class ArchWorld(Protocol):

@@ -1,4 +1,4 @@
-"""Blocks, and the two kinds of blocks that episodes begin with."""
+"""Blocks, and the two sets of blocks that episodes begin with."""
 
 from __future__ import annotations
 

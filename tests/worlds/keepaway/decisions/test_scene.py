@@ -27,7 +27,7 @@ def test_the_schema_is_that_of_the_benchmark() -> None:
         ("color", 3, "euclidean"),
     ]
     assert SCHEMA.parameters == ()
-    assert [(kind.name, kind.parameters) for kind in ACTION_TYPES] == [
+    assert [(action_type.name, action_type.parameters) for action_type in ACTION_TYPES] == [
         ("hold", ("holder",)),
         ("pass", ("holder", "receiver")),
     ]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 # A statement as a row of numbers, by these columns. It is true where its value is at most the limit.
-KIND: Final = 0
+FORM: Final = 0
 FIRST: Final = 1  # where the number is found
 SECOND: Final = 2  # where another one is, -1 = none
 CENTRE: Final = 3  # two numbers
@@ -35,22 +35,22 @@ IS_NOT: Final = 7
 @inlined
 def value(statement: NDArray[np.float64], x: float, y: float) -> float:
     """The value of a statement about the number x, and y if it is about two (else 0); NaN where undefined."""
-    kind = statement[KIND]
+    form = statement[FORM]
     result = x
-    if kind >= IS:
+    if form >= IS:
         same = x == statement[CENTRE]
-        result = np.nan if math.isnan(x) else (0.0 if same == (kind == IS) else 1.0)
-    elif kind >= NEAR:
+        result = np.nan if math.isnan(x) else (0.0 if same == (form == IS) else 1.0)
+    elif form >= NEAR:
         away = x - statement[CENTRE]
-        if kind == NEAR_ANGLE:
+        if form == NEAR_ANGLE:
             away = wrap_angle(away)
         result = statement[WEIGHT] * away * away
         away = y - statement[CENTRE + 1]
         result += statement[WEIGHT + 1] * away * away
-    elif kind == AT_LEAST:
+    elif form == AT_LEAST:
         result = -x
-    elif kind == SMALL:
+    elif form == SMALL:
         result = abs(x)
-    elif kind == LARGE:
+    elif form == LARGE:
         result = -abs(x)
     return float(result)
