@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import builtins
+import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -22,6 +24,14 @@ VAGUE_NAMES = {"base_utils", "common", "core", "helper", "helpers", "misc", "uti
 MAY_OPEN_FILES = {"cli/streams.py", "support/archives.py", "support/files.py", "support/locks.py"}
 MAY_PRINT = {"cli"}
 OPENING = {"fdopen", "mkstemp", "open", "read_bytes", "read_text", "write_bytes", "write_text"}
+# Python's own protocols (indices, attributes, imports, paths, hooks of json) ask for its own errors.
+MAY_RAISE_BUILTIN_ERRORS = {
+    "scenes/batch.py",
+    "support/documents.py",
+    "support/files.py",
+    "support/front_door.py",
+    "worlds/keepaway/parallel.py",
+}
 UNSAFE_MODULES = {"cloudpickle", "dill", "marshal", "pickle", "shelve"}
 # Field lists that Python itself keeps immutable or closed.
 VALUE_BASES = {"Enum", "IntEnum", "NamedTuple", "StrEnum", "TypedDict"}
@@ -220,3 +230,25 @@ def test_tests_mirror_the_source() -> None:
     folders = {path.parent.relative_to(ROOT / "tests") for path in (ROOT / "tests").rglob("test_*.py")}
 
     assert [folder.as_posix() for folder in folders if not (SOURCE / folder).is_dir()] == []
+
+
+def test_errors_are_those_of_the_library() -> None:
+    raised = [
+        (where, name)
+        for where, statement in each(ast.Raise)
+        if statement.exc is not None and module_of(where) not in MAY_RAISE_BUILTIN_ERRORS
+        if hasattr(builtins, name := last_name(statement.exc)) and name != "AssertionError"
+    ]
+
+    assert raised == []
+
+
+def test_docstrings_write_shapes_in_one_way() -> None:
+    docstrings = [
+        (where, node.value.value)
+        for where, node in each(ast.Expr)
+        if not where.startswith("rl/")
+        if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    ]
+
+    assert [where for where, text in docstrings if re.search(r"of\s+shape \(|[,;:]\s+shape \(", text)] == []

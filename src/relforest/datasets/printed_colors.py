@@ -37,7 +37,7 @@ def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     Returns
     -------
     BagSet
-        Bags of shape (5, 3): red, green and blue, each in [0, 1].
+        Bags (5, 3): red, green and blue, each in [0, 1].
 
     Raises
     ------

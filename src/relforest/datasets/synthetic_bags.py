@@ -42,7 +42,7 @@ def covariant1(
     Returns
     -------
     BagSet
-        Bags of shape (3, 2).
+        Bags (3, 2).
 
     Raises
     ------
@@ -77,7 +77,7 @@ def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     Returns
     -------
     BagSet
-        Bags of shape (3, 2).
+        Bags (3, 2).
 
     Raises
     ------
@@ -108,7 +108,7 @@ def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
     Returns
     -------
     BagSet
-        Bags of shape (10, 2).
+        Bags (10, 2).
 
     Raises
     ------

@@ -30,7 +30,7 @@ def width(tree: Tree, mode: TreeMode) -> int:
 
 
 def tree_features(tree: Tree, answers: Answers, mode: TreeMode) -> FloatArray:
-    """Return the features of n scenes, shape (n, k).
+    """Return the features of n scenes, (n, k).
 
     Parameters
     ----------

@@ -57,18 +57,17 @@ class Mapping:
 
     def __post_init__(self) -> None:
         if self.operation not in OPERATIONS:
-            msg = f"unknown operation {self.operation!r}: use one of {', '.join(OPERATIONS)}"
-            raise InputError(msg)
+            raise InputError(f"unknown operation {self.operation!r}: use one of {', '.join(OPERATIONS)}")
         if self.operation in PLANAR_OPERATIONS and self.attribute.dim != 2:
-            msg = (
+            raise InputError(
                 f"{self.name} needs a 2-dimensional attribute, "
                 f"{self.attribute.name!r} has {self.attribute.dim} dimension(s)"
             )
-            raise InputError(msg)
         allowed = OPERATIONS_BY_KIND[self.attribute.kind]
         if self.operation not in allowed:
-            msg = f"{self.name} is not defined for kind {self.attribute.kind!r}: use {', '.join(allowed)}"
-            raise InputError(msg)
+            raise InputError(
+                f"{self.name} is not defined for kind {self.attribute.kind!r}: use {', '.join(allowed)}"
+            )
 
     @property
     def rule(self) -> Operation:
@@ -121,14 +120,12 @@ class Mapping:
             If `matrix` or `rows` has the wrong shape, or a row number lies outside the matrix.
         """
         if matrix.shape != (len(matrix), schema.width) or rows.shape != (len(rows), self.arity):
-            msg = (
+            raise InputError(
                 f"{self.name} needs a matrix (n_objects, {schema.width}) and rows (n, {self.arity}), "
                 f"got {matrix.shape} and {rows.shape}"
             )
-            raise InputError(msg)
         if rows.size and not -1 <= rows.min() <= rows.max() < len(matrix):
-            msg = f"rows must be -1 or row numbers of the matrix, 0 to {len(matrix) - 1}"
-            raise InputError(msg)
+            raise InputError(f"rows must be -1 or row numbers of the matrix, 0 to {len(matrix) - 1}")
         out = np.empty((len(rows), self.dim))
         span = (schema.offset(self.attribute.name), self.attribute.dim)
         map_points(self.rule.code, self.space == "circle", span, matrix, rows, out)

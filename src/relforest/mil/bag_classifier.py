@@ -74,7 +74,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         return self
 
     def decision_function(self, bags: object) -> NDArray[np.float64]:
-        """Score of each bag, shape (n_bags,); at least 0 for bags predicted positive.
+        """Score of each bag, (n_bags,); at least 0 for bags predicted positive.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
             return self._bag_scores(data)
 
     def predict(self, bags: object) -> NDArray[Any]:
-        """Predicted label of each bag, shape (n_bags,)."""
+        """Predicted label of each bag, (n_bags,)."""
         positive = self.decision_function(bags) >= 0.0
         predicted: NDArray[Any] = self.classes_[positive.astype(np.int64)]
         return predicted
@@ -99,7 +99,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
 
     @abstractmethod
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
-        """Score of each bag, shape (n_bags,); at least 0 where positive."""
+        """Score of each bag, (n_bags,); at least 0 where positive."""
 
     def __sklearn_tags__(self) -> Tags:
         """Scikit-learn's tags, for binary classification only."""
@@ -147,12 +147,12 @@ class InstanceClassifier(BagClassifier, ABC):
         return [scores >= 0.0 for scores in self.decision_instances(bags)]
 
     def witness(self, bags: object) -> NDArray[np.int64]:
-        """Row of the witness, the instance with the largest score, within each bag; shape (n_bags,)."""
+        """Row of the witness, the instance with the largest score, within each bag, (n_bags,)."""
         return np.array([np.argmax(scores) for scores in self.decision_instances(bags)], dtype=np.int64)
 
     @abstractmethod
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of each of the points (n, d), shape (n,); at least 0 where positive."""
+        """Score of each of the points (n, d), (n,); at least 0 where positive."""
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
         best: NDArray[np.float64] = np.maximum.reduceat(self._instance_scores(bags.points), bags.starts[:-1])

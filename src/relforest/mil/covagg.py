@@ -126,6 +126,5 @@ def aggregated_volume(
     """Return the best volume of `relforest.volumes.aggregate`, which exists if both classes do."""
     found = aggregate(points, starts, positive, rng=rng, settings=settings)
     if found is None or isinstance(found.volume, Arc):
-        msg = "no volume was found although both classes are present; please report this"
-        raise AssertionError(msg)
+        raise AssertionError("no volume was found although both classes are present; please report this")
     return found.volume

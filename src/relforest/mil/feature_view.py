@@ -44,12 +44,12 @@ class FeatureView:
         return len(self.columns) if self.rotation is None else len(self.rotation)
 
     def coordinates(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coordinates of points (n, d) in this view, shape (n, f)."""
+        """Coordinates of points (n, d) in this view, (n, f)."""
         scaled: NDArray[np.float64] = (points[:, self.columns] - self.centre) / self.scale
         return scaled if self.rotation is None else scaled @ self.rotation.T
 
     def original(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of the columns, in the units of the data, at coordinates (n, f); shape (n, k)."""
+        """Values of the columns, in the units of the data, at coordinates (n, f), (n, k)."""
         scaled = coordinates if self.rotation is None else coordinates @ self.rotation
         values: NDArray[np.float64] = scaled * self.scale + self.centre
         return values

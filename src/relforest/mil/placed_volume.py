@@ -72,14 +72,14 @@ class PlacedVolume:
         return values
 
     def nearness_at(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Nearness of points, by their coordinates (n, f) in the view; shape (n,)."""
+        """Nearness of points, by their coordinates (n, f) in the view, (n,)."""
         return nearness(self.ellipsoid.distance(coordinates), self.ellipsoid.radius)
 
 
 def bag_nearness(
     volumes: Sequence[PlacedVolume], points: NDArray[np.float64], starts: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Nearness of each bag's witness to each volume, shape (b, k), for points (n, d)."""
+    """Nearness of each bag's witness to each volume, (b, k), for points (n, d)."""
     near = np.empty((len(starts) - 1, len(volumes)))
     for number, values in enumerate(point_nearness(volumes, points)):
         np.maximum.reduceat(values, starts[:-1], out=near[:, number])
@@ -89,7 +89,7 @@ def bag_nearness(
 def point_nearness(
     volumes: Sequence[PlacedVolume], points: NDArray[np.float64]
 ) -> Iterator[NDArray[np.float64]]:
-    """Yield the nearness of all points (n, d) to each volume in turn, shape (n,)."""
+    """Yield the nearness of all points (n, d) to each volume in turn, (n,)."""
     # Rotated views are few and expensive; views of single features are many and cheap.
     rotated: dict[int, NDArray[np.float64]] = {}
     for volume in volumes:

@@ -45,7 +45,7 @@ class FeatureUnits:
 
     @property
     def factors(self) -> NDArray[np.float64]:
-        """1 / width, and 0 for constant features, which removes them from distances; shape (d,)."""
+        """1 / width, and 0 for constant features, which removes them from distances, (d,)."""
         return np.divide(1.0, self.width, out=np.zeros_like(self.width), where=self.width > 0.0)
 
 

@@ -82,7 +82,7 @@ class Rule:
     intercept: float
 
     def scores(self, near: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of each bag, shape (b,)."""
+        """Score of each bag, (b,)."""
         scores: NDArray[np.float64] = near @ self.coefficients + self.intercept
         return scores
 

@@ -133,13 +133,13 @@ def _tree(path: Path, document: object) -> Tree:
 
 def _text(value: object) -> str:
     if not isinstance(value, str):
-        raise TypeError(f"expected a string, got {value!r:.50}")
+        raise ModelFormatError(f"expected a string, got {value!r:.50}")
     return value
 
 
 def _texts(values: object) -> tuple[str, ...]:
     if not isinstance(values, list):
-        raise TypeError(f"expected a list of strings, got {values!r:.50}")
+        raise ModelFormatError(f"expected a list of strings, got {values!r:.50}")
     return tuple(map(_text, values))
 
 
@@ -147,10 +147,10 @@ def _classes(value: object) -> tuple[Label, ...] | None:
     if value is None:
         return None
     if not isinstance(value, list) or not all(isinstance(entry, (bool, int, str)) for entry in value):
-        raise TypeError(f"expected a list of labels, got {value!r:.50}")
+        raise ModelFormatError(f"expected a list of labels, got {value!r:.50}")
     # Compared as printed by the command line.
     if len(set(map(str, value))) < len(value):
-        raise ValueError(f"the classes must differ, got {value!r:.50}")
+        raise ModelFormatError(f"the classes must differ, got {value!r:.50}")
     return tuple(value)
 
 
@@ -160,9 +160,9 @@ def _columns(document: Any, schema: Schema) -> FrameLayout | None:  # noqa: ANN4
     attributes = {name: _texts(names) for name, names in document["attributes"].items()}
     components = [attribute.dim for attribute in schema.attributes]
     if list(attributes) != list(schema.names) or list(map(len, attributes.values())) != components:
-        raise ValueError("the columns do not match the attributes of the model")
+        raise ModelFormatError("the columns do not match the attributes of the model")
     if len(document["arguments"]) != schema.n_parameters:
-        raise ValueError("the columns of arguments do not match the model")
+        raise ModelFormatError("the columns of arguments do not match the model")
     return frame_layout(
         _text(document["scene"]),
         None if document["object"] is None else _text(document["object"]),
@@ -186,7 +186,7 @@ def _points(document: Any, tree: Tree) -> tuple[int, QuestionPoints]:  # noqa: A
     index = document["node"]
     node = tree.nodes[index] if isinstance(index, int) and 0 <= index < len(tree.nodes) else None
     if not isinstance(node, Question):
-        raise TypeError(f"node {index!r:.50} is not a question")
+        raise ModelFormatError(f"node {index!r:.50} is not a question")
     positive, negative = (_sample(document[key], node.mapping.dim) for key in ("positive", "negative"))
     labels = np.repeat([True, False], [len(positive), len(negative)])
     return index, QuestionPoints(np.concatenate([positive, negative]), labels)
@@ -194,12 +194,14 @@ def _points(document: Any, tree: Tree) -> tuple[int, QuestionPoints]:  # noqa: A
 
 def _sample(rows: object, dim: int) -> NDArray[np.float64]:
     if not isinstance(rows, list) or len(rows) > MOST_POINTS:
-        raise ValueError(f"a question has at most {MOST_POINTS} points of either class, got {rows!r:.50}")
+        raise ModelFormatError(
+            f"a question has at most {MOST_POINTS} points of either class, got {rows!r:.50}"
+        )
     numbers = np.array(rows)
     if numbers.dtype.kind not in "iuf":
-        raise TypeError(f"points must be lists of numbers, got {rows!r:.50}")
+        raise ModelFormatError(f"points must be lists of numbers, got {rows!r:.50}")
     points = numbers.astype(np.float64).reshape(-1, dim)
     # The negated test also catches NaN.
     if not (np.abs(points) <= LARGEST_VALUE).all():
-        raise ValueError(f"a point must be finite and at most {LARGEST_VALUE:g}")
+        raise ModelFormatError(f"a point must be finite and at most {LARGEST_VALUE:g}")
     return points

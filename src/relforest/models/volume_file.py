@@ -13,6 +13,7 @@ from relforest.mil import CovAggClassifier
 from relforest.mil.feature_names import remember_columns
 from relforest.scenes import Bags
 from relforest.support.documents import well_formed
+from relforest.support.errors import ModelFormatError
 from relforest.support.files import write_json
 from relforest.volumes import Arc, volume_from_dict
 
@@ -52,16 +53,16 @@ def classifier_of(document: dict[str, Any], path: Path) -> CovAggClassifier:
             document["classes"],
         )
         if isinstance(volume, Arc):
-            raise TypeError("bags need an ellipsoid or a slab")
+            raise ModelFormatError("bags need an ellipsoid or a slab")
         if names is not None and (
             len(names) != volume.dim or not all(isinstance(each, str) for each in names)
         ):
-            raise ValueError(f"expected the names of {volume.dim} features, got {names!r:.50}")
+            raise ModelFormatError(f"expected the names of {volume.dim} features, got {names!r:.50}")
         types = (
             {str} if isinstance(classes[0], str) else {bool} if isinstance(classes[0], bool) else {int, float}
         )
         if len(classes) != 2 or not {type(each) for each in classes} <= types or classes[0] == classes[1]:
-            raise ValueError(f"expected two labels of a type, got {classes!r:.50}")
+            raise ModelFormatError(f"expected two labels of a type, got {classes!r:.50}")
         classifier.volume_, classifier.classes_ = volume, np.array(classes)
         no_points = Bags(np.empty((0, volume.dim)), np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.int64))
         remember_columns(classifier, no_points if names is None else replace(no_points, columns=tuple(names)))

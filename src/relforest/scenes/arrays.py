@@ -105,7 +105,7 @@ def compact(parts: SceneArrays) -> SceneArrays:
 
 
 def gather(rows: IntArray, starts: IntArray, counts: IntArray) -> IntArray:
-    """Return the object rows of all scenes, scene after scene, shape (counts.sum(),)."""
+    """Return the object rows of all scenes, scene after scene, (counts.sum(),)."""
     ends = np.cumsum(counts)
     within = np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
     gathered: IntArray = rows[np.repeat(starts, counts) + within]

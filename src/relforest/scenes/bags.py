@@ -63,7 +63,7 @@ class Bags:
 
     @property
     def counts(self) -> IntArray:
-        """Number of points in each bag, shape (n_bags,)."""
+        """Number of points in each bag, (n_bags,)."""
         return np.diff(self.starts)
 
     @property

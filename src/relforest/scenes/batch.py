@@ -118,7 +118,7 @@ class Scenes:
 
     @property
     def shape(self) -> tuple[int]:
-        """``(n_scenes,)``."""
+        """That of an array of scenes: (n_scenes,)."""
         return (len(self),)
 
     def __len__(self) -> int:
@@ -139,7 +139,7 @@ class Scenes:
         return f"Scenes({scenes}, {size}; attributes {attributes}{arguments})"
 
     def objects(self, scene: int) -> IntArray:
-        """Return the positions in ``matrix`` of the objects of one scene, shape (counts[scene],)."""
+        """Return the positions in ``matrix`` of the objects of one scene, (counts[scene],)."""
         start = self.starts[scene]
         return self.rows[start : start + self.counts[scene]]
 
@@ -268,8 +268,8 @@ class Scenes:
         Parameters
         ----------
         observation : mapping of str to array
-            The mask, (n_scenes, n_slots), marks the slots that hold an object; each attribute is an array of
-            shape (n_scenes, n_slots) or (n_scenes, n_slots, dim). All without the first axis for a single
+            The mask, (n_scenes, n_slots), marks the slots that hold an object; each attribute is an array
+            (n_scenes, n_slots) or (n_scenes, n_slots, dim). All without the first axis for a single
             scene.
         schema : Schema, optional
             Default: one attribute for each array, with the defaults of `Attribute`.

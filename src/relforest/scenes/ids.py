@@ -15,7 +15,7 @@ IdArray = NDArray[Any]
 
 
 def as_ids(what: str, values: object) -> IdArray:
-    """Return integers or strings as a read-only int64 or object (str) array of shape (n,).
+    """Return integers or strings as a read-only int64 or object (str) array (n,).
 
     Raises
     ------

@@ -40,7 +40,7 @@ def with_decimal(table: ArrowTable, mark: str) -> ArrowTable:
 
 
 def number_columns(table: Frame, names: Sequence[str], locate: Locate) -> FloatArray:
-    """Return columns as float64 with NaN for nulls, shape (n, number of names).
+    """Return columns as float64 with NaN for nulls, (n, number of names).
 
     In columns of text, the words of `MISSING` are nulls. The decimal mark is that of `with_decimal`; without
     one it is a point, or a comma if the values allow no other reading. `locate` describes the place of a row

@@ -112,7 +112,7 @@ def check_mapping(mapping: CheckableMapping, *, seed: int = 0) -> None:
     -----
     The clauses, in the order of checking:
 
-    - ``values``: shape (n, dim), finite for different objects that have the attribute, in [-pi, pi] on the
+    - ``values``: (n, dim), finite for different objects that have the attribute, in [-pi, pi] on the
       circle, repeatable, and independent of all other attributes.
     - ``undefined``: NaN in all components if an object is missing (-1) or a component of its attribute is
       NaN, and only then.

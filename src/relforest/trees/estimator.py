@@ -145,7 +145,7 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
         """Check what is to be learned."""
 
     def apply(self, scenes: Scenes) -> NDArray[np.int64]:
-        """Ordinal of the deciding leaf of each scene, shape (n_scenes,)."""
+        """Ordinal of the deciding leaf of each scene, (n_scenes,)."""
         check_is_fitted(self)
         return query(self.tree_, checked_scenes(scenes), n_jobs=self.n_jobs).leaf
 
@@ -245,7 +245,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         return _Wanted([Target.classes(codes[kept], len(classes), positive)], weights, classes)
 
     def predict_proba(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Probability of each class, shape (n_scenes, n_classes)."""
+        """Probability of each class, (n_scenes, n_classes)."""
         leaf = self.apply(scenes)
         if len(self.classes_) > 2:
             return self.tree_.values[leaf]
@@ -253,7 +253,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
         return np.column_stack([1.0 - positive, positive])
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
-        """Most probable class of each scene, shape (n_scenes,); the positive one at even odds."""
+        """Most probable class of each scene, (n_scenes,); the positive one at even odds."""
         probabilities = self.predict_proba(scenes)
         if len(self.classes_) > 2:
             chosen = probabilities.argmax(axis=1)
@@ -322,7 +322,7 @@ class SMRFTreeRegressor(RegressorMixin, _SceneTree):  # type: ignore[misc]  # sc
         return _Wanted(targets, weights)
 
     def predict(self, scenes: Scenes) -> NDArray[np.float64]:
-        """Mean of the deciding leaf of each scene, shape (n_scenes,)."""
+        """Mean of the deciding leaf of each scene, (n_scenes,)."""
         leaf = self.apply(scenes)
         return self.tree_.leaf_predictions[leaf]
 

@@ -53,8 +53,7 @@ class Arc:
         """Return the angular distance (radians) of each angle, (n,) or (n, 1), from the mean; (n,)."""
         angles = np.atleast_1d(np.asarray(points, dtype=np.float64))
         if angles.shape[1:] not in {(), (1,)}:
-            msg = f"angles must have the shape (n,) or (n, 1), got {angles.shape}"
-            raise InputError(msg)
+            raise InputError(f"angles must have the shape (n,) or (n, 1), got {angles.shape}")
         offsets = angles.reshape(-1) - self.mean
         distance: NDArray[np.float64] = np.abs(offsets - 2 * math.pi * np.rint(offsets / (2 * math.pi)))
         return distance

@@ -231,33 +231,31 @@ def _check(
     points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_], *, circular: bool
 ) -> None:
     if points.ndim != 2 or points.shape[1] == 0 or len(starts) != len(labels) + 1 or len(labels) == 0:
-        msg = (
+        raise InputError(
             f"points {points.shape}, starts {starts.shape} and labels {labels.shape} do not match: "
             "pass (n_points, d), (n_bags + 1,) and (n_bags,)"
         )
-        raise InputError(msg)
     if starts[0] != 0 or starts[-1] != len(points) or (np.diff(starts) <= 0).any():
-        msg = "starts must rise from 0 to the number of points, with no empty bag: drop empty bags first"
-        raise InputError(msg)
+        raise InputError(
+            "starts must rise from 0 to the number of points, with no empty bag: drop empty bags first"
+        )
     if circular and points.shape[1] != 1:
-        msg = f"points on the circle are angles, one column, got {points.shape[1]} columns"
-        raise InputError(msg)
+        raise InputError(f"points on the circle are angles, one column, got {points.shape[1]} columns")
     # The negated test also catches NaN.
     if not (np.abs(points) <= _LARGEST_VALUE).all():
-        msg = (
+        raise InputError(
             f"points contain NaN, infinite values or values beyond {_LARGEST_VALUE:g}: "
             "drop those instances first, or use other units"
         )
-        raise InputError(msg)
 
 
 def _check_evidence(evidence: NDArray[np.float64] | None, n_bags: int, objective: Objective) -> None:
     if (evidence is not None) != (OBJECTIVES[objective] >= WEIGHTED):
-        msg = f"objective {objective!r} {'needs' if evidence is None else 'takes no'} evidence"
-        raise InputError(msg)
+        raise InputError(f"objective {objective!r} {'needs' if evidence is None else 'takes no'} evidence")
     if evidence is not None and not (evidence.shape == (n_bags, 2) and np.isfinite(evidence).all()):
-        msg = f"evidence must be two finite numbers for each of {n_bags} bags, got {evidence.shape}"
-        raise InputError(msg)
+        raise InputError(
+            f"evidence must be two finite numbers for each of {n_bags} bags, got {evidence.shape}"
+        )
 
 
 def _spread(points: NDArray[np.float64], *, circular: bool) -> NDArray[np.float64]:

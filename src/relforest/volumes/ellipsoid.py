@@ -88,8 +88,7 @@ class Ellipsoid:
         """Return the Mahalanobis distance of each point (n, d) from the mean (eq. 3.2); (n,)."""
         rows = np.atleast_2d(np.asarray(points, dtype=np.float64))
         if rows.shape[1:] != (self.dim,):
-            msg = f"points must have the shape (n, {self.dim}), got {rows.shape}"
-            raise InputError(msg)
+            raise InputError(f"points must have the shape (n, {self.dim}), got {rows.shape}")
         offsets = rows - self.mean
         # At most a third of the time of the inverse in many dimensions.
         factor = np.linalg.cholesky(self.covariance)
@@ -133,32 +132,28 @@ class Ellipsoid:
             in_range("n_keys", n_keys, 0, LARGEST_COUNT)
             prior_weight = in_range("prior_weight", document["prior_weight"], 0.0, LARGEST_COUNT)
         if mean.ndim != 1 or covariance.shape != (len(mean), len(mean)) or len(mean) == 0:
-            msg = f"malformed ellipsoid: mean {mean.shape} and covariance {covariance.shape} do not match"
-            raise ModelFormatError(msg)
+            raise ModelFormatError(
+                f"malformed ellipsoid: mean {mean.shape} and covariance {covariance.shape} do not match"
+            )
         # The negated test also catches NaN.
         if not (np.abs(mean) <= LARGEST_VALUE).all() or not (np.abs(covariance) <= LARGEST_SCATTER).all():
-            msg = (
+            raise ModelFormatError(
                 f"malformed ellipsoid: the mean must not exceed {LARGEST_VALUE:g}, "
                 f"nor the covariance {LARGEST_SCATTER:g}"
             )
-            raise ModelFormatError(msg)
         if not np.allclose(covariance, covariance.T, rtol=0.0, atol=1e-9 * np.abs(covariance).max()):
-            msg = "malformed ellipsoid: the covariance is not symmetric"
-            raise ModelFormatError(msg)
+            raise ModelFormatError("malformed ellipsoid: the covariance is not symmetric")
         eigenvalues = np.linalg.eigvalsh(covariance)
         # Below these bounds, distances overflow or the inverse loses all precision.
         if not eigenvalues[0] > max(SMALLEST_SCATTER, 1e-15 * eigenvalues[-1]):
-            msg = "malformed ellipsoid: the covariance is not positive definite"
-            raise ModelFormatError(msg)
+            raise ModelFormatError("malformed ellipsoid: the covariance is not positive definite")
         if not radius * math.sqrt(eigenvalues[-1]) <= LARGEST_VALUE:
-            msg = f"malformed ellipsoid: it extends beyond {LARGEST_VALUE:g}"
-            raise ModelFormatError(msg)
+            raise ModelFormatError(f"malformed ellipsoid: it extends beyond {LARGEST_VALUE:g}")
         return cls(mean, covariance, radius, n_keys, prior_weight)
 
 
 def _numbers(values: object) -> NDArray[np.float64]:
     array = np.asarray(values)
     if array.dtype.kind not in "iuf":
-        msg = f"expected numbers, got {reprlib.repr(values)}"
-        raise InputError(msg)
+        raise InputError(f"expected numbers, got {reprlib.repr(values)}")
     return array.astype(np.float64)

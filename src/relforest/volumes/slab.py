@@ -65,8 +65,7 @@ class Slab:
         """Return the coordinate that matters of points (n, d), (n, 1)."""
         rows = np.atleast_2d(np.asarray(points, dtype=np.float64))
         if rows.shape[1:] != (self.dim,):
-            msg = f"points must have the shape (n, {self.dim}), got {rows.shape}"
-            raise InputError(msg)
+            raise InputError(f"points must have the shape (n, {self.dim}), got {rows.shape}")
         return rows[:, self.axis : self.axis + 1]
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
@@ -99,6 +98,5 @@ class Slab:
             axis = between("axis", document["axis"], 0, dim - 1)
             interval = Ellipsoid.from_dict(document["interval"])
         if interval.dim != 1:
-            msg = f"malformed slab: the interval has {interval.dim} dimensions, not 1"
-            raise ModelFormatError(msg)
+            raise ModelFormatError(f"malformed slab: the interval has {interval.dim} dimensions, not 1")
         return cls(interval, axis, dim)

@@ -21,11 +21,11 @@ def volume_from_dict(document: object) -> Volume:
         If the document is not a valid volume.
     """
     if not isinstance(document, dict):
-        msg = f"malformed volume: expected an object, got {type(document).__name__}"
-        raise ModelFormatError(msg)
+        raise ModelFormatError(f"malformed volume: expected an object, got {type(document).__name__}")
     shapes: dict[str, type[Volume]] = {"ellipsoid": Ellipsoid, "arc": Arc, "slab": Slab}
     shape = document.get("shape")
     if not isinstance(shape, str) or shape not in shapes:
-        msg = f"unknown volume shape {reprlib.repr(shape)}: expected one of {', '.join(shapes)}"
-        raise ModelFormatError(msg)
+        raise ModelFormatError(
+            f"unknown volume shape {reprlib.repr(shape)}: expected one of {', '.join(shapes)}"
+        )
     return shapes[shape].from_dict(document)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reference.blocks import PlainEngine
-from relforest.support.errors import InputError
+from relforest.support.errors import InputError, RelforestError
 from relforest.worlds.blocks.box import shared
 from relforest.worlds.blocks.engine import LOST, REST_SPEED, REST_SPIN, Engine, Spring
 from relforest.worlds.blocks.grasp import springs
@@ -310,7 +310,7 @@ def test_other_layouts_in_memory_are_noticed() -> None:
     reference = SimpleNamespace(this=pair.ctypes.data)
 
     assert list(shared(reference, 1.5, 2.5)) == [1.5, 2.5]
-    with pytest.raises(RuntimeError, match=r"install Box2D 2.3.10"):
+    with pytest.raises(RelforestError, match=r"install Box2D 2.3.10"):
         shared(reference, 2.5, 1.5)
 
 

@@ -31,7 +31,7 @@ class DensityClassifier(InstanceClassifier, ABC):
         self.negative_log_density_ = negative_log_density
 
     def _squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Squared distances D^2 of points (n, d), shape (n,)."""
+        """Squared distances D^2 of points (n, d), (n,)."""
         squared = np.empty(len(points))
         hypothesis = np.stack([self.centre_, self.scales_])
         fill_squared_distances(np.ascontiguousarray(points.T), hypothesis, squared)

@@ -159,7 +159,7 @@ def _surprise_of_far_positive(members: NDArray[np.float64], nearest: float) -> f
 
 @kernel
 def bag_log_odds(squared: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Log odds of each bag being positive by the noisy-or, shape (n_bags,).
+    """Log odds of each bag being positive by the noisy-or, (n_bags,).
 
     `squared` (n,), the squared distances of the bags' points, is overwritten.
     """

@@ -173,7 +173,7 @@ def discriminating(
 
 
 def _exclusions(negatives: NDArray[np.float64], box: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
-    """Whether each feature excludes each point, shape (m, d)."""
+    """Whether each feature excludes each point, (m, d)."""
     outside = np.maximum(box[0] - negatives, negatives - box[1])
     excluded: NDArray[np.bool_] = outside > margin
     farthest = outside.max(axis=1, initial=0.0)
@@ -213,7 +213,7 @@ def expansion(values: NDArray[np.float64], tau: float, epsilon: float) -> NDArra
 def _quantile_beyond(
     offsets: NDArray[np.float64], widths: NDArray[np.float64], mass: float
 ) -> NDArray[np.float64]:
-    """Return the distance beyond which at most `mass` of the density is left, shape (d,), by bisection.
+    """Return the distance beyond which at most `mass` of the density is left, (d,), by bisection.
 
     `offsets` (n_bags, d) are the values minus the bound, outwards, and at most 0.
     """

@@ -9,6 +9,8 @@ from __future__ import annotations
 import ctypes
 from typing import Any, Final, NamedTuple
 
+from relforest.support.errors import RelforestError
+
 _PROBE: Final = (1.0, 2.0, 3.0)
 
 
@@ -56,13 +58,13 @@ def shared(reference: Any, *numbers: float) -> memoryview[float]:  # noqa: ANN40
 
     Raises
     ------
-    RuntimeError
+    RelforestError
         If they are not ``numbers`` now: this build of Box2D keeps them in another way.
     """
     there: memoryview[Any] = memoryview((ctypes.c_float * len(numbers)).from_address(int(reference.this)))
     there = there.cast("B").cast("f")
     if tuple(there) != numbers:
-        raise RuntimeError(
+        raise RelforestError(
             f"{type(reference).__name__} of Box2D is not kept as {numbers} in memory but as {tuple(there)}; "
             "install Box2D 2.3.10"
         )
