@@ -24,22 +24,8 @@ if TYPE_CHECKING:
 class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
     """A binary classifier of bags of points with scikit-learn's interface.
 
-    Subclasses implement learning (`_fit`) and the scores of bags (`_bag_scores`).
-
-    Attributes
-    ----------
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
-
-    Notes
-    -----
-    Pass bags as a list of 2-D arrays, as a tuple ``(X, bag_ids)`` with labels in the order in which the bags
-    first appear, as a 3-D array (n_bags, size, d), or as a 2-D array with one instance per bag. Data frames
-    may replace 2-D arrays; `predict` then matches their columns by name.
+    Subclasses implement learning (`_fit`) and the scores of bags (`_bag_scores`). `CovAggClassifier` tells
+    which forms of bags are accepted, and which attributes `fit` sets.
     """
 
     classes_: NDArray[Any]

@@ -17,8 +17,6 @@ from relforest.mil.placed_volume import PlacedVolume, bag_nearness
 from relforest.mil.volume_panels import BALL_RULES, PANELS, Rule, find_volumes, rows_of, volume_rule
 from relforest.support.rng import generator, stream
 
-__all__ = ["PanelMember", "Training", "find_split_volumes", "split_bags", "train_panels"]
-
 # Volumes of a panel, and the nearness (b, k) of all bags to them.
 FoundVolumes: TypeAlias = tuple[list[PlacedVolume], NDArray[np.float64]]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class CovAggClassifier(InstanceClassifier):
     """Multiple-instance classifier with a single ellipsoidal decision volume.
 
@@ -76,26 +78,14 @@ class CovAggClassifier(InstanceClassifier):
     array([1, 0])
     """
 
-    def __init__(
-        self,
-        *,
-        window: int = 8,
-        prior_weight: float = 0.1,
-        max_condition: float = 1e5,
-        restarts: int = 4,
-        sampled: int = 4,
-        shape: Shape = "full",
-        learner: VolumeLearner = "covagg",
-        random_state: RandomState = None,
-    ) -> None:
-        self.window = window
-        self.prior_weight = prior_weight
-        self.max_condition = max_condition
-        self.restarts = restarts
-        self.sampled = sampled
-        self.shape = shape
-        self.learner = learner
-        self.random_state = random_state
+    window: int = 8
+    prior_weight: float = 0.1
+    max_condition: float = 1e5
+    restarts: int = 4
+    sampled: int = 4
+    shape: Shape = "full"
+    learner: VolumeLearner = "covagg"
+    random_state: RandomState = None
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         settings = CovAggSettings(

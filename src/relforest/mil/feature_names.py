@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from relforest.scenes.bags import Bags
 
-__all__ = ["columns_as_in_fit", "remember_columns"]
 
 _MOST_LISTED = 5
 

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from relforest.mil.scaling import feature_units
 
-__all__ = ["FeatureView", "principal_view", "scaled_view"]
-
 _MOST_ROWS: Final = 1000
 
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["excess", "lead"]
-
 
 def lead(near: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
     """Lead of each point's nearness (n, k) over the second best in its bag; 0 for all but the best."""

@@ -17,7 +17,6 @@ from sklearn._loss import HalfBinomialLoss
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["balance", "fit_logistic"]
 
 _MOST_STEPS: Final = 2000
 _MOST_TRIALS: Final = 50

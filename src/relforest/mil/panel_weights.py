@@ -11,8 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-__all__ = ["panel_weights", "score_spread"]
-
 # Pull towards equal weights, so that a few bags do not decide between panels.
 _PULL: Final = 1.0
 # Deviation that rounding alone gives to equal scores, relative to their size.

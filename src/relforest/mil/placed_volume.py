@@ -17,16 +17,6 @@ from relforest.mil.squared_distances import squared_distances
 from relforest.support.progress import report
 from relforest.volumes import Ellipsoid
 
-__all__ = [
-    "Balls",
-    "PlacedVolume",
-    "bag_blocks",
-    "bag_nearness",
-    "nearness",
-    "point_nearness",
-    "typical_squared_distance",
-]
-
 _LOG2: Final = float(np.log(2.0))
 # Points handled at a time when every point is compared with every ball.
 _BLOCK: Final = 2048

@@ -28,7 +28,6 @@ from relforest.support.progress import report
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["SparseMachine", "train_sparse_machine"]
 
 _PASSES_PER_REPORT: Final = 50
 _MOST_HALVINGS: Final = 20

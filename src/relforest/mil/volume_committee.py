@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -43,6 +43,7 @@ _COMPONENTS, _BALLS, _SPLITS, _VOLUMES = range(4)
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class VolumeCommitteeClassifier(BagClassifier):
     """Multiple-instance classifier that weighs the evidence of many ellipsoidal volumes.
 
@@ -87,12 +88,8 @@ class VolumeCommitteeClassifier(BagClassifier):
         Score of a bag far from all volumes.
     panel_weights_ : dict of str to float
         Weight of each panel's score, scaled to unit standard deviation.
-    classes_ : ndarray (2,)
-        The two labels; ``classes_[1]`` is the positive class.
-    n_features_in_ : int
-        Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
-        Names of the columns, if bags were data frames with such names in `fit`.
+    classes_, n_features_in_, feature_names_in_
+        As in `CovAggClassifier`.
 
     Notes
     -----
@@ -119,28 +116,15 @@ class VolumeCommitteeClassifier(BagClassifier):
     array([1, 1, 0])
     """
 
-    def __init__(  # noqa: PLR0913  # scikit-learn sets options in the constructor
-        self,
-        *,
-        n_splits: int = 5,
-        n_volumes: int = 30,
-        part_size: int = 8,
-        n_components: int = 20,
-        n_balls: int = 1000,
-        panels: Sequence[str] = PANELS,
-        random_state: RandomState = None,
-        n_jobs: int = 1,
-        verbose: bool = False,
-    ) -> None:
-        self.n_splits = n_splits
-        self.n_volumes = n_volumes
-        self.part_size = part_size
-        self.n_components = n_components
-        self.n_balls = n_balls
-        self.panels = panels
-        self.random_state = random_state
-        self.n_jobs = n_jobs
-        self.verbose = verbose
+    n_splits: int = 5
+    n_volumes: int = 30
+    part_size: int = 8
+    n_components: int = 20
+    n_balls: int = 1000
+    panels: Sequence[str] = PANELS
+    random_state: RandomState = None
+    n_jobs: int = 1
+    verbose: bool = False
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         panels, sizes = self._checked_panels(), self._checked_sizes()

@@ -22,18 +22,6 @@ from relforest.mil.sparse_machine import train_sparse_machine
 from relforest.support.progress import report
 from relforest.volumes import CovAggSettings, Ellipsoid
 
-__all__ = [
-    "BALL_RULES",
-    "BALL_SHARES",
-    "NEAR_BALLS",
-    "PANELS",
-    "VOLUME_PANELS",
-    "Rule",
-    "VolumePanel",
-    "find_volumes",
-    "volume_rule",
-]
-
 
 @final
 @dataclass(frozen=True, slots=True)

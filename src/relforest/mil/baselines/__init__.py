@@ -11,6 +11,17 @@ maximise, since their published names differ only in capitals. Start with `Optim
 fast and needs no tuning.
 
 Classifiers can be trained in several threads at once; the results are the same as one after another.
+
+Examples
+--------
+>>> import numpy as np
+>>> from relforest.mil import baselines
+>>> rng = np.random.default_rng(0)
+>>> bags = rng.uniform(-9, 9, size=(40, 3, 2))
+>>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
+>>> for name in [each for each in baselines.__all__ if each.endswith("Classifier")]:
+...     model = getattr(baselines, name)().fit(bags, [1] * 20 + [0] * 20)
+...     print(name, model.predict(bags[[0, 30]]))
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -21,31 +22,11 @@ if TYPE_CHECKING:
 Round: TypeAlias = "Callable[[NDArray[Any]], tuple[KernelMachine, NDArray[Any]]]"
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class AlternatingClassifier(KernelClassifier, ABC):
     """A classifier whose machine is trained in rounds, until it chooses its own training data."""
 
-    def __init__(
-        self,
-        *,
-        C: float = 1e4,
-        gamma: str | float = "heuristic",
-        gamma_factor: float = 1.0,
-        scale_C: bool = True,
-        max_iter: int = 50,
-        tol: float = 1e-3,
-        max_solver_iter: int = 10_000_000,
-        verbose: bool = False,
-    ) -> None:
-        super().__init__(
-            C=C,
-            gamma=gamma,
-            gamma_factor=gamma_factor,
-            scale_C=scale_C,
-            tol=tol,
-            max_solver_iter=max_solver_iter,
-            verbose=verbose,
-        )
-        self.max_iter = max_iter
+    max_iter: int = 50
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_rounds = at_least("max_iter", self.max_iter, 1)

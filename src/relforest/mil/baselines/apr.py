@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
@@ -23,6 +24,7 @@ _LEAST_EPSILON: Final = 1e-12
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class APRClassifier(InstanceClassifier):
     """Multiple-instance classifier by an axis-parallel rectangle, learned by iterated discrimination.
 
@@ -73,31 +75,12 @@ class APRClassifier(InstanceClassifier):
     ----------
     Dietterich, Lathrop and Lozano-Perez (1997), "Solving the multiple instance problem with axis-parallel
     rectangles", Artificial Intelligence 89.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from relforest.mil.baselines import APRClassifier
-    >>> rng = np.random.default_rng(0)
-    >>> bags = rng.uniform(-9, 9, size=(40, 3, 2))
-    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
-    >>> model = APRClassifier().fit(bags, [1] * 20 + [0] * 20)
-    >>> model.predict(bags[[0, 30]])
-    array([1, 0])
     """
 
-    lower_: NDArray[np.float64]
-    upper_: NDArray[np.float64]
-    features_: NDArray[np.int64]
-    scales_: NDArray[np.float64]
-
-    def __init__(
-        self, *, scale: bool = False, margin: float = 1.0, tau: float = 0.999, epsilon: float = 0.01
-    ) -> None:
-        self.scale = scale
-        self.margin = margin
-        self.tau = tau
-        self.epsilon = epsilon
+    scale: bool = False
+    margin: float = 1.0
+    tau: float = 0.999
+    epsilon: float = 0.01
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         margin = in_range("margin", self.margin, 0.0, math.inf, open_high=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
@@ -23,6 +24,7 @@ _TOLERANCE: Final = 1e-5
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class DiverseDensityClassifier(DensityClassifier):
     """Multiple-instance classifier by the point of greatest diverse density.
 
@@ -63,31 +65,12 @@ class DiverseDensityClassifier(DensityClassifier):
     ----------
     Maron and Lozano-Perez (1997), "A framework for multiple-instance learning", NIPS 10; Palmer (2015),
     section 3.3, for the scaling.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from relforest.mil.baselines import DiverseDensityClassifier
-    >>> rng = np.random.default_rng(0)
-    >>> bags = rng.normal(size=(40, 3, 2))
-    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
-    >>> model = DiverseDensityClassifier().fit(bags, [1] * 20 + [0] * 20)
-    >>> model.predict(bags[[0, 30]])
-    array([1, 0])
     """
 
-    def __init__(
-        self,
-        *,
-        scale: bool = True,
-        refined: int | None = 10,
-        max_steps: int = 500,
-        verbose: bool = False,
-    ) -> None:
-        self.scale = scale
-        self.refined = refined
-        self.max_steps = max_steps
-        self.verbose = verbose
+    scale: bool = True
+    refined: int | None = 10
+    max_steps: int = 500
+    verbose: bool = False
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_steps = at_least("max_steps", self.max_steps, 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
@@ -24,6 +25,7 @@ _TOLERANCE: Final = 1e-5
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class EMDDClassifier(DensityClassifier):
     """Multiple-instance classifier by expectation maximisation of the diverse density.
 
@@ -68,33 +70,13 @@ class EMDDClassifier(DensityClassifier):
     ----------
     Zhang and Goldman (2001), "EM-DD: an improved multiple-instance learning technique", NIPS 14; Palmer
     (2015), section 3.3, for the scaling.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from relforest.mil.baselines import EMDDClassifier
-    >>> rng = np.random.default_rng(0)
-    >>> bags = rng.normal(size=(40, 3, 2))
-    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
-    >>> model = EMDDClassifier(random_state=0).fit(bags, [1] * 20 + [0] * 20)
-    >>> model.predict(bags[[0, 30]])
-    array([1, 0])
     """
 
-    def __init__(
-        self,
-        *,
-        scale: bool = True,
-        start_bags: int | None = 3,
-        max_steps: int = 500,
-        random_state: RandomState = None,
-        verbose: bool = False,
-    ) -> None:
-        self.scale = scale
-        self.start_bags = start_bags
-        self.max_steps = max_steps
-        self.random_state = random_state
-        self.verbose = verbose
+    scale: bool = True
+    start_bags: int | None = 3
+    max_steps: int = 500
+    random_state: RandomState = None
+    verbose: bool = False
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_steps = at_least("max_steps", self.max_steps, 1)

@@ -1,45 +1,37 @@
-"""What the support vector machines with a radial kernel share: their options and scores."""
+"""Support vector machines with a radial kernel: what they share, and the one that ignores bags."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, final
+
+import numpy as np
 
 from relforest.mil.bag_classifier import InstanceClassifier
 from relforest.mil.baselines.kernel_machine import KernelMachine, KernelProblem
 from relforest.mil.baselines.kernel_width import kernel_gamma
 from relforest.scenes.bags import Bags
 from relforest.support.options import at_least, in_range
+from relforest.support.progress import report
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class KernelClassifier(InstanceClassifier, ABC):
     """A classifier of instances by a `KernelMachine`; `SingleInstanceSVMClassifier` describes the options."""
 
-    machine_: KernelMachine
-
-    def __init__(
-        self,
-        *,
-        C: float = 1e4,
-        gamma: str | float = "heuristic",
-        gamma_factor: float = 1.0,
-        scale_C: bool = True,
-        tol: float = 1e-3,
-        max_solver_iter: int = 10_000_000,
-        verbose: bool = False,
-    ) -> None:
-        self.C = C
-        self.gamma = gamma
-        self.gamma_factor = gamma_factor
-        self.scale_C = scale_C
-        self.tol = tol
-        self.max_solver_iter = max_solver_iter
-        self.verbose = verbose
+    C: float = 1e4
+    gamma: str | float = "heuristic"
+    gamma_factor: float = 1.0
+    scale_C: bool = True  # noqa: N815 - as published
+    tol: float = 1e-3
+    max_solver_iter: int = 10_000_000
+    verbose: bool = False
+    machine_: KernelMachine = field(init=False)
 
     @property
     def gamma_(self) -> float:
@@ -60,3 +52,49 @@ class KernelClassifier(InstanceClassifier, ABC):
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Value of the machine, with margins at -1 and 1."""
         return self.machine_.scores(points)
+
+
+@final
+class SingleInstanceSVMClassifier(KernelClassifier):
+    """A machine with a radial kernel, trained on all instances with the labels of their bags.
+
+    It shows the effect of ignoring bags, and is the first round of `InstanceMarginSVMClassifier`.
+
+    Parameters
+    ----------
+    C : float, default 1e4
+        Price of slack.
+    gamma : "heuristic" or float, default "heuristic"
+        Coefficient of squared distances in the kernel: a number, or 1 / (2 s^2) with s the mean of the 10th
+        and 90th percentile of the distances between training instances (of a subset if there are more than
+        3000).
+    gamma_factor : float, default 1.0
+        Factor of gamma.
+    scale_C : bool, default True
+        Whether C is divided by the number of instances.
+    tol : float, default 1e-3
+        Tolerance of LIBSVM.
+    max_solver_iter : int, default 10_000_000
+        Largest number of LIBSVM's steps.
+    verbose : bool, default False
+        Whether `fit` prints to standard error what it is doing, at most one line a second.
+
+    Attributes
+    ----------
+    machine_ : KernelMachine
+        Support vectors, coefficients and intercept.
+    gamma_ : float
+        The coefficient used, including the factor.
+    converged_ : bool
+        Whether LIBSVM reached its tolerance.
+
+    References
+    ----------
+    Ray and Craven (2005), Supervised versus multiple instance learning: an empirical comparison.
+    """
+
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+        problem = self._problem(bags, bags.points, shares=len(bags.points))
+        report("training a machine")
+        self.machine_ = problem.solve(positive.repeat(bags.counts))
+        self.converged_ = self.machine_.converged

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
@@ -24,6 +25,7 @@ _BLOCK: Final = 4_000_000
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class MILESClassifier(BagClassifier):
     """Multiple-instance learning via embedded instance selection.
 
@@ -72,39 +74,16 @@ class MILESClassifier(BagClassifier):
     Chen, Bi and Wang (2006), MILES: multiple-instance learning via embedded instance selection.
     Fan et al. (2008), LIBLINEAR: a library for large linear classification.
     Palmer (2015), section 3.3.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from relforest.mil.baselines import MILESClassifier
-    >>> rng = np.random.default_rng(0)
-    >>> bags = rng.normal(size=(40, 3, 2))
-    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
-    >>> model = MILESClassifier(random_state=0).fit(bags, [1] * 20 + [0] * 20)
-    >>> model.predict(bags[[0, 30]])
-    array([1, 0])
     """
 
-    def __init__(
-        self,
-        *,
-        C: float = 1e4,
-        gamma: str | float = "heuristic",
-        gamma_factor: float = 1.0,
-        fit_intercept: bool = False,
-        tol: float = 0.01,
-        max_iter: int = 5000,
-        random_state: RandomState = None,
-        verbose: bool = False,
-    ) -> None:
-        self.C = C
-        self.gamma = gamma
-        self.gamma_factor = gamma_factor
-        self.fit_intercept = fit_intercept
-        self.tol = tol
-        self.max_iter = max_iter
-        self.random_state = random_state
-        self.verbose = verbose
+    C: float = 1e4
+    gamma: str | float = "heuristic"
+    gamma_factor: float = 1.0
+    fit_intercept: bool = False
+    tol: float = 0.01
+    max_iter: int = 5000
+    random_state: RandomState = None
+    verbose: bool = False
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_iter = at_least("max_iter", self.max_iter, 1)

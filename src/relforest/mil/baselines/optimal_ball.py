@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
@@ -21,6 +22,7 @@ _BEYOND_LAST: Final = 1.0 + 1e-9
 
 
 @final
+@dataclass(kw_only=True, eq=False, repr=False)
 class OptimalBallClassifier(InstanceClassifier):
     """Multiple-instance classifier by the ball that labels most training bags correctly.
 
@@ -53,25 +55,9 @@ class OptimalBallClassifier(InstanceClassifier):
     ----------
     Auer and Ortner (2004), "A boosting approach to multiple instance learning", ECML; Palmer (2015),
     section 3.3.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from relforest.mil.baselines import OptimalBallClassifier
-    >>> rng = np.random.default_rng(0)
-    >>> bags = rng.normal(size=(40, 3, 2))
-    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
-    >>> model = OptimalBallClassifier().fit(bags, [1] * 20 + [0] * 20)
-    >>> model.predict(bags[[0, 30]])
-    array([1, 0])
     """
 
-    centre_: NDArray[np.float64]
-    scales_: NDArray[np.float64]
-    radius_: float
-
-    def __init__(self, *, normalize: bool = True) -> None:
-        self.normalize = normalize
+    normalize: bool = True
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         units = feature_units(bags.points, "minmax")

@@ -1,4 +1,4 @@
-"""MI-SVM: a machine that separates a witness of every positive bag from all negative instances."""
+"""MI-SVM and mi-SVM: support vector machines that choose witnesses, or the labels of instances, in rounds."""
 
 from __future__ import annotations
 
@@ -55,17 +55,6 @@ class BagMarginSVMClassifier(AlternatingClassifier):
     Andrews, Tsochantaridis and Hofmann (2002), Support vector machines for multiple-instance learning,
     section 4.
     Palmer (2015), section 3.3.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from relforest.mil.baselines import BagMarginSVMClassifier
-    >>> rng = np.random.default_rng(0)
-    >>> bags = rng.normal(size=(40, 3, 2))
-    >>> bags[:20, 0] = rng.normal([3, 3], 0.3, size=(20, 2))
-    >>> model = BagMarginSVMClassifier().fit(bags, [1] * 20 + [0] * 20)
-    >>> model.predict(bags[[0, 30]])
-    array([1, 0])
     """
 
     def _rounds(self, bags: Bags, positive: NDArray[np.bool_]) -> tuple[Round, NDArray[Any]]:
@@ -85,6 +74,37 @@ class BagMarginSVMClassifier(AlternatingClassifier):
             return machine, _first_of_best(machine.scores(candidates), starts, counts)
 
         return train_and_choose, np.empty(0, dtype=np.int64)
+
+
+@final
+class InstanceMarginSVMClassifier(AlternatingClassifier):
+    """mi-SVM: a machine with a radial kernel that maximises the margin between instances.
+
+    At first, all instances of positive bags are positive. Each round trains a machine and relabels these
+    instances by the sign of its scores, except that the best instance of every positive bag stays positive;
+    instances of negative bags are always negative. Rounds are repeated until the labels do not change.
+
+    Parameters and attributes are those of `BagMarginSVMClassifier`, but C is divided by the number of
+    instances.
+
+    References
+    ----------
+    Andrews, Tsochantaridis and Hofmann (2002), Support vector machines for multiple-instance learning,
+    section 3.
+    Palmer (2015), section 3.3.
+    """
+
+    def _rounds(self, bags: Bags, positive: NDArray[np.bool_]) -> tuple[Round, NDArray[Any]]:
+        problem = self._problem(bags, bags.points, shares=len(bags.points))
+        may_be_positive = positive.repeat(bags.counts)
+
+        def train_and_choose(labels: NDArray[np.bool_]) -> tuple[KernelMachine, NDArray[np.bool_]]:
+            machine = problem.solve(labels)
+            scores = problem.scores(machine)
+            best = np.maximum.reduceat(scores, bags.starts[:-1]).repeat(bags.counts)
+            return machine, may_be_positive & ((scores >= 0.0) | (scores == best))
+
+        return train_and_choose, may_be_positive
 
 
 def _first_of_best(
