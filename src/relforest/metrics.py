@@ -13,16 +13,6 @@ from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked
 from relforest.support.options import at_least, in_range
 
-__all__ = [
-    "NORMAL_95",
-    "MeanInterval",
-    "SampleMoments",
-    "mean_interval",
-    "peirce_skill_score",
-    "sidak_level",
-    "two_sample_p_value",
-]
-
 NORMAL_95: Final = 1.96
 """Half the width of a 95 % interval of a normal distribution, in standard deviations."""
 

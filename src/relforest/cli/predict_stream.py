@@ -15,8 +15,6 @@ from relforest.scenes.scene_stream import SceneBatch
 from relforest.support.errors import InputError
 from relforest.support.files import replacing
 
-__all__ = ["parquet_output", "predict_files"]
-
 
 def parquet_output(table: Path, out: Path | None) -> Path | None:
     """Return where predictions for a table are written as Parquet, or None if they are CSV.

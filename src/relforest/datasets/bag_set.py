@@ -13,8 +13,6 @@ from relforest.scenes.bags import as_bags
 from relforest.scenes.ids import IdArray, as_ids, codes_by_appearance, plain
 from relforest.support.errors import InputError
 
-__all__ = ["About", "BagSet"]
-
 
 @final
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,6 @@ from typing import Final
 from relforest.datasets.bag_set import About
 from relforest.support.files import read_input
 
-__all__ = ["CATALOGUE", "EAST_WEST", "SHA256", "file_name"]
-
 
 def file_name(name: str) -> str:
     """Return the name of the file of a data set."""

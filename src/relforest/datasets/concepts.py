@@ -17,8 +17,6 @@ from relforest.datasets.balance import Candidates, balanced, is_object, to_scene
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.support.options import at_least
 
-__all__ = ["between_scenes", "figure41_scenes", "yellow_scenes"]
-
 NumberOfObjects: TypeAlias = int | tuple[int, int]
 
 _PLACED_PAIR: Final = Schema((Attribute("location", 2),), parameters=("A", "B"))

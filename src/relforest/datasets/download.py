@@ -16,8 +16,6 @@ import pooch
 from relforest.support.errors import DataError, InputError, MissingDataError
 from relforest.support.files import read_input
 
-__all__ = ["DATA_VARIABLE", "URL_VARIABLE", "data_file"]
-
 DATA_VARIABLE: Final = "RELFOREST_DATA"
 URL_VARIABLE: Final = "RELFOREST_DATA_URL"
 _SUBFOLDER: Final = "mil"

@@ -11,8 +11,6 @@ from relforest.datasets.bag_set import BagSet
 from relforest.datasets.synthetic_bags import plant
 from relforest.support.options import at_least
 
-__all__ = ["color"]
-
 _NEGATIVE_MEANS: Final = np.array(
     [
         [0.52, 0.16, 0.18],  # red

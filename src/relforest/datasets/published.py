@@ -19,20 +19,6 @@ from relforest.scenes.sources import unpacked
 from relforest.support.errors import DataError
 from relforest.support.options import one_of
 
-__all__ = [
-    "fetch",
-    "fetch_elephant",
-    "fetch_fox",
-    "fetch_musk1",
-    "fetch_musk2",
-    "fetch_mutagenesis_atoms",
-    "fetch_mutagenesis_bonds",
-    "fetch_mutagenesis_chains",
-    "fetch_thioredoxin",
-    "fetch_tiger",
-    "load_east_west",
-]
-
 Folder: TypeAlias = str | os.PathLike[str]
 
 

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from relforest.datasets.bag_set import BagSet
 from relforest.support.options import at_least, one_of
 
-__all__ = ["covariant1", "covariant2", "disjunctive", "plant"]
-
 # Square root of [[.52, .48], [.48, .52]]: standard deviations 1 along (1, 1) and 1/5 along (1, -1).
 _DIAGONAL_ROOT: Final = np.array([[0.6, 0.4], [0.4, 0.6]])
 _SMALL_BAG: Final = 3
@@ -67,30 +65,9 @@ def covariant1(
 
 
 def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
-    """Draw bags of 3 points in the plane: positives on a diagonal, inside one cloud of negatives.
+    """Draw bags (3, 2) in the plane: positives on a diagonal, inside one cloud of negatives.
 
-    Parameters
-    ----------
-    rng, n_bags
-        As in `covariant1`.
-
-    Returns
-    -------
-    BagSet
-        Bags (3, 2).
-
-    Raises
-    ------
-    InputError
-        If ``n_bags`` is less than 2.
-
-    Notes
-    -----
-    Negatives: N(0, I). Positives: as in `covariant1`.
-
-    References
-    ----------
-    Palmer (2015), section 3.3.1, Table 3.1.
+    Negatives: N(0, I). Positives, parameters, errors and source: as for `covariant1`.
     """
     n_bags = at_least("n_bags", n_bags, 2)
     negatives = rng.standard_normal((n_bags, _SMALL_BAG, 2))
@@ -98,30 +75,10 @@ def covariant2(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
 
 
 def disjunctive(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
-    """Draw bags of 10 points in the plane: positives in either of two clouds next to the negatives.
+    """Draw bags (10, 2) in the plane: positives in either of two clouds next to the negatives.
 
-    Parameters
-    ----------
-    rng, n_bags
-        As in `covariant1`.
-
-    Returns
-    -------
-    BagSet
-        Bags (10, 2).
-
-    Raises
-    ------
-    InputError
-        If ``n_bags`` is less than 2.
-
-    Notes
-    -----
-    Negatives: N(0, I). Positives: 1/2 N((3, 0), I/2) + 1/2 N((-3, 0), I/2).
-
-    References
-    ----------
-    Palmer (2015), section 3.3.1, Table 3.1.
+    Negatives: N(0, I). Positives: 1/2 N((3, 0), I/2) + 1/2 N((-3, 0), I/2). Parameters, errors and source: as
+    for `covariant1`.
     """
     n_bags = at_least("n_bags", n_bags, 2)
     negatives = rng.standard_normal((n_bags, _LARGE_BAG, 2))

@@ -10,8 +10,6 @@ from scipy.special import expit, softmax
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["logistic_shares", "mean_shares"]
-
 
 def mean_shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the probabilities of classes that the trees of a forest give on average.

@@ -19,8 +19,6 @@ from relforest.reports import QuestionPoints, question_points
 from relforest.support.errors import InputError
 from relforest.trees import SMRFTreeClassifier, SMRFTreeRegressor
 
-__all__ = ["SceneLearner", "as_model"]
-
 SceneLearner = (
     SMRFTreeClassifier
     | SMRFTreeRegressor

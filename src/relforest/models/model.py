@@ -26,8 +26,6 @@ from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.trees.nodes import variable_name
 from relforest.trees.text import describe
 
-__all__ = ["Family", "Label", "Model", "Predictions", "n_classes"]
-
 Label = bool | int | str
 Family = Literal["tree", "forest", "boosting", "rules"]
 

@@ -29,8 +29,6 @@ from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
 from relforest.volumes.ellipsoid import LARGEST_VALUE
 
-__all__ = ["FORMAT", "MOST_POINTS", "VERSION", "check_names", "model_of", "read_model", "write_model"]
-
 FORMAT: Final = "relforest-model"
 VERSION: Final = 2
 """The newest version; models of two classes are still written as version 1, which older releases read."""

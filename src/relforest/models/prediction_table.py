@@ -11,8 +11,6 @@ from relforest.scenes import Scenes
 from relforest.scenes.arrow import ArrowArray, ArrowTable
 from relforest.scenes.ids import IdArray
 
-__all__ = ["prediction_table"]
-
 
 def prediction_table(model: Model, scenes: Scenes, *, n_jobs: int = 1) -> ArrowTable:
     """Return predictions as an arrow table.

@@ -20,8 +20,6 @@ from relforest.support.files import read_json
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
 
-__all__ = ["load", "save"]
-
 
 def save(
     learned: Model | SceneLearner | CovAggClassifier | SMRFRPI,

@@ -26,8 +26,6 @@ from relforest.scenes.scene_table import SceneTable, read_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
 
-__all__ = ["MOST_CLASSES", "Target", "TrainingData", "read_training_data"]
-
 Target = Literal["auto", "classes", "numbers"]
 MOST_CLASSES: Final = 10
 """Whole numbers of more different values are learned as numbers unless classes are asked for."""

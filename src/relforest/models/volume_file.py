@@ -17,8 +17,6 @@ from relforest.support.errors import ModelFormatError
 from relforest.support.files import write_json
 from relforest.volumes import Arc, volume_from_dict
 
-__all__ = ["FORMAT", "VERSION", "classifier_of", "write_volume"]
-
 FORMAT: Final = "relforest-volume"
 VERSION: Final = 1
 

@@ -13,8 +13,6 @@ from relforest.scenes.kernels import first_misfit
 from relforest.scenes.schema import Schema
 from relforest.support.errors import InputError
 
-__all__ = ["FloatArray", "IntArray", "SceneArrays", "check_arrays", "compact", "recoded"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -9,18 +9,6 @@ import pyarrow.compute as pc
 
 from relforest.scenes.arrays import IntArray
 
-__all__ = [
-    "ArrowArray",
-    "ArrowTable",
-    "ArrowType",
-    "is_numeric",
-    "is_temporal",
-    "is_text",
-    "iso_text",
-    "one_array",
-    "to_codes",
-]
-
 # pyarrow has no type annotations; these names at least show what is meant.
 ArrowArray: TypeAlias = Any
 ArrowTable: TypeAlias = Any

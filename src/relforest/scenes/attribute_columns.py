@@ -16,8 +16,6 @@ from relforest.scenes.number_columns import number_columns
 from relforest.scenes.schema import Attribute
 from relforest.support.errors import InputError
 
-__all__ = ["attribute_columns", "category_text", "closed", "place_of"]
-
 Layout = Sequence[tuple[Attribute, Sequence[str]]]
 
 

@@ -15,16 +15,6 @@ from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked
 
-__all__ = [
-    "BagTypeError",
-    "Values",
-    "are_names",
-    "as_values",
-    "dimensions",
-    "in_order_of",
-    "is_sparse",
-]
-
 _REFUSED: Final = (
     ((str, bytes), "{} contains strings: convert them to numbers"),
     (

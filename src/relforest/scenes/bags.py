@@ -10,7 +10,6 @@ import numpy as np
 
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.scenes.bag_values import (
-    BagTypeError,
     Values,
     are_names,
     as_values,
@@ -21,8 +20,6 @@ from relforest.scenes.bag_values import (
 from relforest.scenes.ids import IdArray, as_ids, codes_by_appearance, plain
 from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked
-
-__all__ = ["LARGEST_VALUE", "BagTypeError", "Bags", "as_bags", "own_labels"]
 
 LARGEST_VALUE: Final = 1e30
 """Squared differences of such values, and sums of many of them, do not overflow."""

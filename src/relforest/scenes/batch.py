@@ -22,8 +22,6 @@ from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["Scenes", "checked_scenes"]
-
 _Key = int | np.integer | slice | ArrayLike
 
 

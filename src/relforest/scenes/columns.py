@@ -15,8 +15,6 @@ from relforest.scenes.ids import IdArray
 from relforest.scenes.sources import encoding_hint
 from relforest.support.errors import InputError
 
-__all__ = ["Codes", "Frame", "Locate", "arrow_column", "check_named", "encode", "listed", "open_frame"]
-
 Frame = nw.DataFrame[Any]
 Locate = Callable[[int], str]
 

@@ -17,8 +17,6 @@ from relforest.scenes.sources import decoded, is_broken, utf8
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
-__all__ = ["open_csv"]
-
 _LARGEST_BLOCK: Final = 2**31 - 1
 
 

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 from relforest.support.errors import InputError
 
-__all__ = ["CsvRow", "csv_rows", "wrong_length"]
-
 
 class CsvRow(NamedTuple):
     """A row that is not blank."""

@@ -11,8 +11,6 @@ from relforest.scenes.arrays import FloatArray, SceneArrays
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["add_attribute", "extent_ratio"]
-
 
 def extent_ratio(extent: ArrayLike) -> FloatArray:
     """Return how elongated objects are: second extent over first (Palmer 2015, section 4.3, function 7).

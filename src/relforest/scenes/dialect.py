@@ -11,8 +11,6 @@ from typing import Final, final
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
 
-__all__ = ["ANY_DIALECT", "Dialect", "detected_separator"]
-
 _SEPARATORS: Final = (",", ";", "\t", "|")
 _SAMPLE_ROWS: Final = 20
 _SAMPLE_LENGTH: Final = 2**16

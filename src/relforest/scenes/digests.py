@@ -13,8 +13,6 @@ import pyarrow.compute as pc
 
 from relforest.scenes.arrow import ArrowArray, is_text, one_array
 
-__all__ = ["BLOCK_ROWS", "block_digests", "column_digest", "document_digest", "is_unchanged"]
-
 BLOCK_ROWS: Final = 2**16
 """Rows that have a digest of their own, so that a file can be checked while it is read in pieces."""
 

@@ -23,16 +23,6 @@ from relforest.scenes.lookup import bind_arguments, index_objects
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = [
-    "AttributeColumns",
-    "FrameLayout",
-    "arrays_from_frame",
-    "frame_layout",
-    "named_columns",
-    "scene_values",
-    "stored_values",
-]
-
 AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
 
 

@@ -12,8 +12,6 @@ from relforest.scenes.arrow import ArrowArray, is_temporal, is_text, iso_text
 from relforest.scenes.columns import Frame, arrow_column
 from relforest.support.errors import InputError
 
-__all__ = ["id_column"]
-
 # From here on, neighbouring integers can be the same float.
 _FIRST_INEXACT: Final = {pa.float16(): 2**11, pa.float32(): 2**24, pa.float64(): 2**53}
 _REMEDY: Final = "convert the column to strings"

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
 
-__all__ = ["IdArray", "as_ids", "codes_by_appearance", "plain"]
-
 IdArray = NDArray[Any]
 
 

@@ -7,8 +7,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["parsed_label", "parsed_labels"]
-
 # One spelling at a time: if spellings are mixed, they are different labels.
 _BOOLEANS: Final = (
     {"false": False, "true": True},

@@ -15,8 +15,6 @@ from relforest.scenes.columns import Codes, listed
 from relforest.scenes.ids import IdArray, plain
 from relforest.support.errors import InputError
 
-__all__ = ["ObjectIndex", "bind_arguments", "index_objects"]
-
 _INTEGERS = (r"^-?(0|[1-9]\d{0,14})$", r"^-?(0|[1-9]\d{0,14})\.0$")
 
 

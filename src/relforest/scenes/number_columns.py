@@ -17,8 +17,6 @@ from relforest.scenes.arrow import ArrowArray, ArrowTable, is_numeric, is_text
 from relforest.scenes.columns import Frame, Locate, arrow_column
 from relforest.support.errors import InputError
 
-__all__ = ["MISSING", "allow_only_commas", "number_columns", "with_decimal"]
-
 MISSING: Final = (
     *("", "NA", "N/A", "n/a", "#N/A", "#N/A N/A", "#NA", "NaN", "-NaN", "nan", "-nan", "NULL", "null"),
     *("None", "<NA>", "-1.#IND", "-1.#QNAN", "1.#IND", "1.#QNAN"),

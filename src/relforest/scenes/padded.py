@@ -11,8 +11,6 @@ from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["arrays_from_padded"]
-
 
 def arrays_from_padded(
     observation: Mapping[str, ArrayLike], *, schema: Schema | None, mask: str, arguments: str

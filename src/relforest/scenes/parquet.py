@@ -33,17 +33,6 @@ from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, ModelFormatError, RelforestError
 from relforest.support.files import check_document, write_bytes
 
-__all__ = [
-    "check_unchanged",
-    "is_own",
-    "own_columns",
-    "read_own",
-    "read_own_part",
-    "sealed",
-    "to_table",
-    "write_table",
-]
-
 FORMAT: Final = "relforest-scenes"
 VERSION: Final = 1
 _KEY: Final = b"relforest"

@@ -17,14 +17,6 @@ from relforest.scenes.arrow import ArrowArray, ArrowTable, ArrowType, is_text
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, RelforestError
 
-__all__ = [
-    "PARQUET_SUFFIXES",
-    "ParquetFile",
-    "data_files",
-    "parquet_at",
-    "parquet_from_bytes",
-]
-
 PARQUET_SUFFIXES: Final = (".parquet", ".pq")
 
 _ALLOWED_BYTES: Final = 2**28

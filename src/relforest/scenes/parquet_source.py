@@ -20,8 +20,6 @@ from relforest.scenes.sources import checked_path
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
-__all__ = ["ParquetSource", "Piece", "is_pattern", "open_parquet", "open_source"]
-
 _WILD: Final = frozenset("*?[")
 
 

@@ -16,8 +16,6 @@ from relforest.scenes.ids import as_ids, plain
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-__all__ = ["arrays_from_dicts", "arrays_to_dicts"]
-
 _RECORD_KEYS = ("id", "objects", "arguments")
 CATEGORY_HINT = " (for names, declare the attribute with kind='category')"
 

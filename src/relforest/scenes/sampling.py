@@ -15,8 +15,6 @@ from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 
-__all__ = ["sample_scenes"]
-
 
 def sample_scenes(
     source: str | PathLike[str],

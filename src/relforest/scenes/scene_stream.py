@@ -34,8 +34,6 @@ from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least
 from relforest.support.progress import report
 
-__all__ = ["SceneBatch", "SceneColumns", "SceneStream", "iter_scene_batches", "open_stream", "scene_stream"]
-
 BATCH_ROWS: Final = 2**16
 
 

@@ -19,8 +19,6 @@ from relforest.scenes.table_file import TableFile
 from relforest.scenes.tables import open_table
 from relforest.support.errors import InputError, ModelFormatError
 
-__all__ = ["SceneTable", "check_schema", "open_scenes", "read_scenes"]
-
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)

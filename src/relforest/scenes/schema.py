@@ -14,8 +14,6 @@ from typing import Final, Literal, cast, final
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, one_of
 
-__all__ = ["KINDS", "OPERATION_NAMES", "ROLES", "Attribute", "Kind", "Role", "Schema"]
-
 Kind = Literal["euclidean", "angle", "category"]
 Role = Literal["location", "color", "extent", "property"]
 

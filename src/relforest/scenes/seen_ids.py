@@ -10,8 +10,6 @@ import pyarrow as pa
 from relforest.scenes.arrays import IntArray
 from relforest.scenes.arrow import ArrowArray
 
-__all__ = ["SeenIds"]
-
 
 @final
 class SeenIds:

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from relforest.scenes.arrow import ArrowTable
 from relforest.scenes.columns import check_named
 
-__all__ = ["TableFile"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TableFile(ABC):

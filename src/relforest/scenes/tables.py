@@ -15,8 +15,6 @@ from relforest.scenes.sources import Source, checked_path, is_stream, name_of, r
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError
 
-__all__ = ["open_table", "read_table"]
-
 _CSV_SUFFIXES: Final = (".csv", ".tsv")
 _COMPRESSED_SUFFIXES: Final = (".gz", ".bz2", ".zst")
 

@@ -11,8 +11,6 @@ from typing import Any, final
 import scipy.linalg  # noqa: F401, its BLAS, which kernels call, must be loaded before the libraries are listed
 from threadpoolctl import ThreadpoolController
 
-__all__ = ["one_blas_thread"]
-
 
 @final
 class _Limit:

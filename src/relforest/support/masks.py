@@ -6,8 +6,6 @@ import numpy as np
 
 from relforest.support.errors import InputError
 
-__all__ = ["refuse_masked"]
-
 
 def refuse_masked(values: object, what: str) -> None:
     """Raise an `InputError` if an array, or one inside a nested list, has masked values."""

@@ -25,8 +25,6 @@ from relforest.datasets.readers.fields import (
 from relforest.scenes.sources import Source, name_of, read_text
 from relforest.support.errors import InputError
 
-__all__ = ["BagRelation", "read_arff", "read_relation"]
-
 
 @final
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,6 @@ from typing import Final, Literal, cast, final
 
 from relforest.datasets.readers.fields import FieldError
 
-__all__ = ["Attribute", "parse_attribute", "split_fields", "split_statement"]
-
 Datatype = Literal["numeric", "nominal", "string", "date", "relational"]
 
 _DATATYPES: Final = {

@@ -9,8 +9,6 @@ from relforest.datasets.readers.fields import FieldError, at_line, number, split
 from relforest.datasets.readers.flat_rows import Row, gather
 from relforest.scenes.sources import Source, name_of, read_text
 
-__all__ = ["read_c45"]
-
 
 def read_c45(
     path: Source,

@@ -18,8 +18,6 @@ from relforest.scenes.number_columns import allow_only_commas
 from relforest.scenes.sources import Source, decoded, encoding_hint, is_broken, name_of, read_bytes, utf8
 from relforest.support.errors import InputError
 
-__all__ = ["Columns", "parse_csv", "read_csv"]
-
 
 @final
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
 
-__all__ = ["FieldError", "at_line", "number", "positive_labels", "split_lines"]
-
 _PLAIN: Final = {
     "1": 1,
     "+1": 1,

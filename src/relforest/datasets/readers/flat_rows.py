@@ -11,8 +11,6 @@ from relforest.datasets.bag_set import BagSet
 from relforest.datasets.readers.fields import FieldError, at_line, positive_labels
 from relforest.support.errors import InputError
 
-__all__ = ["Row", "gather"]
-
 
 class Row(NamedTuple):
     """An instance."""

@@ -18,8 +18,6 @@ from sklearn.datasets import load_digits
 
 from relforest.datasets import BagSet
 
-__all__ = ["digit_mixture", "digits", "elements", "rare", "three_parts", "wide"]
-
 _RARE_POSITIVES: Final = 20
 _RARE_BAGS: Final = 150
 _UNITS: Final = np.array([1.0, 1e4, 10.0, 100.0, 1.0, 1e3, 30.0, 1.0])

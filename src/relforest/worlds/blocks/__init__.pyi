@@ -1,10 +1,11 @@
+from .arm import OptionResult
 from .balance import balance_scale_scenes
 from .blocks import Block, arch_blocks, random_blocks
 from .drop_on import drop_on_scenes
 from .engine import Engine
 from .handling import Handling
 from .noise import Noise
-from .options import OptionResult, done, isolate, move, put, rotate
+from .options import done, isolate, move, put, rotate
 from .simulation import BlocksSimulation
 
 __all__ = [

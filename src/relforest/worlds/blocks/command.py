@@ -7,8 +7,9 @@ from typing import final
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
+from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.handling import Handling
-from relforest.worlds.blocks.options import OptionResult, done, isolate, move, put, rotate
+from relforest.worlds.blocks.options import done, isolate, move, put, rotate
 from relforest.worlds.blocks.simulation import BlocksSimulation
 
 

@@ -14,6 +14,7 @@ from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.support.options import between, one_of
 from relforest.worlds.arguments import RENDER_MODES
+from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.command import Command, run_command
 from relforest.worlds.blocks.frames import (
     block_things,
@@ -26,7 +27,6 @@ from relforest.worlds.blocks.frames import (
 )
 from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.moment import Moment, Observer, observation_space
-from relforest.worlds.blocks.options import OptionResult
 from relforest.worlds.blocks.policies import POLICIES
 from relforest.worlds.blocks.scene import SCHEMA, locations
 from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation

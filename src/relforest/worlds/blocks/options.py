@@ -23,8 +23,6 @@ from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.overlap import overlapping, widest_gap
 from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
 
-__all__ = ["OptionResult", "done", "isolate", "move", "put", "rotate"]
-
 GAP_BUFFER: Final = 2.0
 """Room on both sides of a block that is isolated between others."""
 
