@@ -158,21 +158,7 @@ def yellow_scenes(
 ) -> tuple[Scenes, NDArray[np.bool_]]:
     """Draw scenes that are positive if one of the objects is yellow, a covariant concept in RGB.
 
-    Parameters
-    ----------
-    rng, n_scenes, n_objects
-        As in `between_scenes`, but a scene may have a single object.
-
-    Returns
-    -------
-    scenes : Scenes
-        Attributes ``location`` (2-D, irrelevant) and ``color`` (RGB, 0 to 1), no arguments.
-    labels : (n_scenes,) bool
-
-    Raises
-    ------
-    InputError
-        If a number is out of range, or scenes with this many objects are hardly ever negative.
+    Parameters, scenes and errors are those of `figure41_scenes`; locations are irrelevant.
 
     Notes
     -----

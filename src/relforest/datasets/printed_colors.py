@@ -25,22 +25,9 @@ _SIZE: Final = 5
 
 
 def color(rng: np.random.Generator, *, n_bags: int = 100) -> BagSet:
-    """Draw bags of 5 colors in RGB space: yellow is positive; red, green and blue are negative.
+    """Draw bags (5, 3) of colors in RGB space: yellow is positive; red, green and blue are negative.
 
-    Parameters
-    ----------
-    rng, n_bags
-        As in `covariant1`.
-
-    Returns
-    -------
-    BagSet
-        Bags (5, 3): red, green and blue, each in [0, 1].
-
-    Raises
-    ------
-    InputError
-        If ``n_bags`` is less than 2.
+    Parameters and errors are those of `covariant1`. Colors are in [0, 1].
 
     Notes
     -----

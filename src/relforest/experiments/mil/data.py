@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Final, Protocol, TypeAlias, TypeVar, final
 
 import numpy as np
@@ -22,15 +22,7 @@ from relforest.datasets import (
     covariant1,
     covariant2,
     disjunctive,
-    fetch_elephant,
-    fetch_fox,
-    fetch_musk1,
-    fetch_musk2,
-    fetch_mutagenesis_atoms,
-    fetch_mutagenesis_bonds,
-    fetch_mutagenesis_chains,
-    fetch_thioredoxin,
-    fetch_tiger,
+    fetch,
 )
 from relforest.datasets.catalogue import file_name
 from relforest.datasets.download import DATA_VARIABLE, URL_VARIABLE
@@ -116,15 +108,15 @@ DATA_SETS: Final[Mapping[str, DataSet]] = {
     ),
     "covariant2": Synthetic("Covariant 2", 2, lambda rng, n: covariant2(rng, n_bags=n)),
     "disjunctive": Synthetic("Disjunctive", 3, lambda rng, n: disjunctive(rng, n_bags=n)),
-    "musk1": Standard("Musk 1", 4, fetch_musk1),
-    "musk2": Standard("Musk 2", 5, fetch_musk2),
-    "mutagenesis-atoms": Standard("Muta Atoms", 6, fetch_mutagenesis_atoms),
-    "mutagenesis-bonds": Standard("Muta Bonds", 7, fetch_mutagenesis_bonds),
-    "mutagenesis-chains": Standard("Muta Chains", 8, fetch_mutagenesis_chains),
-    "thioredoxin": Standard("Thioredoxin", 9, fetch_thioredoxin),
-    "elephant": Standard("Elephant", 10, fetch_elephant),
-    "fox": Standard("Fox", 11, fetch_fox),
-    "tiger": Standard("Tiger", 12, fetch_tiger),
+    "musk1": Standard("Musk 1", 4, partial(fetch, "musk1")),
+    "musk2": Standard("Musk 2", 5, partial(fetch, "musk2")),
+    "mutagenesis-atoms": Standard("Muta Atoms", 6, partial(fetch, "mutagenesis_atoms")),
+    "mutagenesis-bonds": Standard("Muta Bonds", 7, partial(fetch, "mutagenesis_bonds")),
+    "mutagenesis-chains": Standard("Muta Chains", 8, partial(fetch, "mutagenesis_chains")),
+    "thioredoxin": Standard("Thioredoxin", 9, partial(fetch, "thioredoxin")),
+    "elephant": Standard("Elephant", 10, partial(fetch, "elephant")),
+    "fox": Standard("Fox", 11, partial(fetch, "fox")),
+    "tiger": Standard("Tiger", 12, partial(fetch, "tiger")),
 }
 """Name on the command line -> data set, in the order of the source's tables."""
 

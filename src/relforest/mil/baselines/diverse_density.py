@@ -67,10 +67,7 @@ class DiverseDensityClassifier(DensityClassifier):
     section 3.3, for the scaling.
     """
 
-    scale: bool = True
     refined: int | None = 10
-    max_steps: int = 500
-    verbose: bool = False
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_steps = at_least("max_steps", self.max_steps, 1)

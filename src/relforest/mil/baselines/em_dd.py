@@ -72,11 +72,8 @@ class EMDDClassifier(DensityClassifier):
     (2015), section 3.3, for the scaling.
     """
 
-    scale: bool = True
     start_bags: int | None = 3
-    max_steps: int = 500
     random_state: RandomState = None
-    verbose: bool = False
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
         max_steps = at_least("max_steps", self.max_steps, 1)

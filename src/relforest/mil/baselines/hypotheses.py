@@ -18,16 +18,18 @@ if TYPE_CHECKING:
     from relforest.scenes.bags import Bags
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class DensityClassifier(InstanceClassifier, ABC):
     """A classifier by the hypothesis with the greatest density; `DiverseDensityClassifier` describes it."""
 
-    centre_: NDArray[np.float64]
-    scales_: NDArray[np.float64]
-    negative_log_density_: float
+    scale: bool = True
+    max_steps: int = 500
+    verbose: bool = False
 
     def _keep(self, hypothesis: NDArray[np.float64], negative_log_density: float) -> None:
         """Set what was learned: a hypothesis (2, d) in the units of the bags."""
-        self.centre_, self.scales_ = hypothesis
+        self.centre_: NDArray[np.float64] = hypothesis[0]
+        self.scales_: NDArray[np.float64] = hypothesis[1]
         self.negative_log_density_ = negative_log_density
 
     def _squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
