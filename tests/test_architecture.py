@@ -251,4 +251,5 @@ def test_docstrings_write_shapes_in_one_way() -> None:
         if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
     ]
 
-    assert [where for where, text in docstrings if re.search(r"of\s+shape \(|[,;:]\s+shape \(", text)] == []
+    other = re.compile(r"(of|[,;:])\s+shape \(|(ndarray|array-like) \(")
+    assert [where for where, text in docstrings if other.search(text)] == []

@@ -20,9 +20,9 @@ class Bindings(NamedTuple):
 
     Parameters
     ----------
-    rows : int64 ndarray (n_choices, n_arguments + n_free)
+    rows : (n_choices, n_arguments + n_free) int64
         Rows of ``scenes.matrix``, -1 = no object.
-    starts : int64 ndarray (n_scenes + 1,)
+    starts : (n_scenes + 1,) int64
         Where the choices of each scene begin.
     """
 

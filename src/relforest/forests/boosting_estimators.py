@@ -52,9 +52,9 @@ class _Boosting(SceneEstimator, ABC):
         Parameters
         ----------
         scenes : Scenes
-        y : array-like (n_scenes,)
+        y : (n_scenes,) array-like
             Labels of two or more classes; for a regressor, finite numbers that are not all equal.
-        sample_weight : array-like (n_scenes,), optional
+        sample_weight : (n_scenes,) array-like, optional
             Not negative.
 
         Raises
@@ -116,9 +116,9 @@ class SMRFBoostingClassifier(SceneClassifier, _Boosting):
     ----------
     ensemble_ : Ensemble
         The learned trees.
-    classes_ : ndarray (n_classes,)
+    classes_ : (n_classes,) array
         The labels in sorted order.
-    losses_ : ndarray (n_trees + 1,)
+    losses_ : (n_trees + 1,) float64
         Mean loss before the first and after every tree, on the held-out scenes if there are any.
     n_sampled_ : int
         Scenes of which only a sample of the choices was searched.
@@ -165,7 +165,7 @@ class SMRFBoostingRegressor(SceneRegressor, _Boosting):
     ----------
     ensemble_ : Ensemble
         The learned trees.
-    losses_ : ndarray (n_trees + 1,)
+    losses_ : (n_trees + 1,) float64
         Mean of half of the squared error in units of the targets' variance, before the first and after every
         tree, on the held-out scenes if there are any.
     n_sampled_ : int

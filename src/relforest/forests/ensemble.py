@@ -40,10 +40,10 @@ class Ensemble:
     Parameters
     ----------
     schema : Schema
-    start : ndarray (n_outputs,)
+    start : (n_outputs,) float64
     trees : tuple of SceneTree, or of Tree
         Trees of conditions, or SMRF trees.
-    weights : ndarray (n_trees,)
+    weights : (n_trees,) float64
         Of a SMRF tree for negated labels, the weight is negative, and `start` makes up for it.
 
     Raises

@@ -53,9 +53,9 @@ class _Forest(SceneEstimator, ABC):
         Parameters
         ----------
         scenes : Scenes
-        y : array-like (n_scenes,)
+        y : (n_scenes,) array-like
             Labels of two or more classes; for a regressor, finite numbers that are not all equal.
-        sample_weight : array-like (n_scenes,), optional
+        sample_weight : (n_scenes,) array-like, optional
             Not negative.
 
         Raises
@@ -168,11 +168,11 @@ class SMRFForestClassifier(SceneClassifier, _Forest):
     ----------
     ensemble_ : Ensemble
         The learned trees.
-    classes_ : ndarray (n_classes,)
+    classes_ : (n_classes,) array
         The labels in sorted order.
     oob_score_ : float
         Accuracy on scenes, each predicted by the trees that did not see it; NaN after `fit_source`.
-    oob_decision_function_ : ndarray (n_scenes, n_classes)
+    oob_decision_function_ : (n_scenes, n_classes) float64
         Probabilities by those trees; NaN where all saw the scene.
     n_sampled_ : int
         Scenes of which only a sample of the choices was searched. For SMRF trees: expansions that were
@@ -233,7 +233,7 @@ class SMRFForestRegressor(SceneRegressor, _Forest):
         The learned trees.
     oob_score_ : float
         R2 on scenes, each predicted by the trees that did not see it.
-    oob_prediction_ : ndarray (n_scenes,)
+    oob_prediction_ : (n_scenes,) float64
         Predictions by those trees; NaN where all saw the scene.
     n_sampled_, n_left_out_ : int
         As for `SMRFForestClassifier`.

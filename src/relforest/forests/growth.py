@@ -71,7 +71,7 @@ def grow_tree(
     Parameters
     ----------
     tables : tuple of ConditionTable
-    scenes : int64 ndarray (n,)
+    scenes : (n,) int64
         The scenes to learn from.
     targets : Targets
         First and second derivatives of the loss, for all scenes of the tables.

@@ -30,9 +30,9 @@ class Wanted:
 
     Parameters
     ----------
-    numbers : ndarray (n_scenes, n_outputs)
+    numbers : (n_scenes, n_outputs) float64
         Real targets (n, 1); whether a scene is of the second of two classes (n, 1); or of each class.
-    weights : ndarray (n_scenes,)
+    weights : (n_scenes,) float64
     of_classes : bool
     """
 

@@ -77,7 +77,7 @@ class SMRFRuleSetClassifier(SceneClassifier):
     ensemble_ : Ensemble
         Log-odds. One tree per rule set, which asks the rules one after the other, the best set first; then
         the trees of the boosted model.
-    classes_ : ndarray (2,)
+    classes_ : (2,) array
         The labels in sorted order.
     n_sampled_ : int
         Scenes of which only a sample of the choices was searched.
@@ -97,9 +97,9 @@ class SMRFRuleSetClassifier(SceneClassifier):
         Parameters
         ----------
         scenes : Scenes
-        y : array-like (n_scenes,)
+        y : (n_scenes,) array-like
             Labels of two classes.
-        sample_weight : array-like (n_scenes,), optional
+        sample_weight : (n_scenes,) array-like, optional
             Not negative.
 
         Raises

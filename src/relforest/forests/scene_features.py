@@ -40,7 +40,7 @@ class SceneFeatures(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # s
     ----------
     model_ : estimator
         The fitted copy.
-    farthest_ : ndarray (n_features,)
+    farthest_ : (n_features,) float64
         The largest numbers of the training scenes; they stand for distances that are undefined.
 
     Examples

@@ -16,12 +16,12 @@ def mean_shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    scores : ndarray (n_scenes, n_outputs)
+    scores : (n_scenes, n_outputs) float64
         Of all classes, or of the second of two only.
 
     Returns
     -------
-    ndarray (n_scenes, n_classes)
+    (n_scenes, n_classes) float64
     """
     if scores.shape[1] == 1:
         positive = np.clip(scores[:, 0], 0.0, 1.0)
@@ -38,12 +38,12 @@ def logistic_shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    scores : ndarray (n_scenes, n_outputs)
+    scores : (n_scenes, n_outputs) float64
         Unnormalised log probabilities of all classes, or the log-odds of the second of two.
 
     Returns
     -------
-    ndarray (n_scenes, n_classes)
+    (n_scenes, n_classes) float64
     """
     if scores.shape[1] == 1:
         return np.column_stack([expit(-scores[:, 0]), expit(scores[:, 0])])

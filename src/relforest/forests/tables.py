@@ -57,7 +57,7 @@ class Found:
     Parameters
     ----------
     table : ConditionTable
-    numbers : ndarray (n_statements, N_NUMBERS)
+    numbers : (n_statements, N_NUMBERS) float64
         Its statements, see `relforest.forests.forms`.
     at_least : int
         How many choices it asks for, or `EVERY`.

@@ -103,14 +103,14 @@ class Mapping:
         ----------
         schema : Schema
             Describes the columns of `matrix`.
-        matrix : ndarray (n_objects, schema.width)
+        matrix : (n_objects, schema.width) float64
             Attribute values, NaN = undefined.
-        rows : int64 ndarray (n, arity)
+        rows : (n, arity) int64
             Object rows; -1 stands for "no object".
 
         Returns
         -------
-        ndarray (n, dim)
+        (n, dim) float64
             Rows of NaN where the value is undefined: an object or its attribute is missing, or the two
             objects of a frame coincide.
 

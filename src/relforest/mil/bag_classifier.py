@@ -37,7 +37,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         Parameters
         ----------
         bags : bags in any of the accepted forms
-        y : array-like (n_bags,)
+        y : (n_bags,) array-like
             0/1, -1/+1, booleans or two strings; the larger label is the positive class. May be omitted for a
             `relforest.datasets.BagSet`, which contains labels.
 

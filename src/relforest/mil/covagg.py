@@ -46,11 +46,11 @@ class CovAggClassifier(InstanceClassifier):
     volume_ : Ellipsoid or Slab
         The decision volume, with `mean`, `covariance` (V of eq. 3.6) and `radius` (measured by V). It is a
         `Slab`, the `interval` of one feature of several, only for the shape "axis".
-    classes_ : ndarray (2,)
+    classes_ : (2,) array
         The two labels; ``classes_[1]`` is the positive class.
     n_features_in_ : int
         Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
+    feature_names_in_ : (d,) str
         Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes

@@ -23,11 +23,11 @@ class FeatureView:
 
     Attributes
     ----------
-    columns : (k,) int64 array
+    columns : (k,) int64
         The features in use.
-    centre, scale : (k,) float64 arrays
+    centre, scale : (k,) float64
         Mean and standard deviation of these features over the training points.
-    rotation : (f, k) float64 array or None
+    rotation : (f, k) float64 or None
         Directions of the coordinates, as orthonormal rows; None if every coordinate is a single feature.
     """
 

@@ -37,8 +37,8 @@ def fit_logistic(
 
     Parameters
     ----------
-    features : (b, k) array
-    positive : (b,) bool array
+    features : (b, k) float64
+    positive : (b,) bool
         Labels; both values occur.
     C : float
         Weight of the loss relative to the penalty, half the squared norm of the weights.

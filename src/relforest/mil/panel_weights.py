@@ -30,14 +30,14 @@ def panel_weights(
 
     Parameters
     ----------
-    scores : (b, p) float64 array
+    scores : (b, p) float64
         Score of each bag by each panel; no panel was trained on the bags it scores.
-    positive : (b,) bool array
+    positive : (b,) bool
         Labels; both values occur.
 
     Returns
     -------
-    (ndarray (p,), float)
+    ((p,) float64, float)
         The minimum of the logistic loss, with equal weight for both classes, plus half the squared distance
         of the weights from 1 / p, both for scores divided by `score_spread`.
     """

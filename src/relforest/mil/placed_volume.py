@@ -102,11 +102,11 @@ class Balls:
     ----------
     view : FeatureView
         The scaled features.
-    centres : (m, f) float64 array
+    centres : (m, f) float64
         Centres, as coordinates of the view.
     near_radius, share_radius : float
         Radii for the nearness of the nearest instance and for the mean nearness of all instances.
-    near_weights, share_weights : (m,) float64 arrays
+    near_weights, share_weights : (m,) float64
         Added to the score of a bag with an instance at the centre, and of a bag with all instances there.
     """
 

@@ -34,9 +34,9 @@ class FeatureUnits:
 
     Attributes
     ----------
-    shift : ndarray (d,)
+    shift : (d,) float64
         Value to subtract; 0 for a constant feature.
-    width : ndarray (d,)
+    width : (d,) float64
         Value to divide by; 0 for a constant feature.
     """
 
@@ -54,7 +54,7 @@ def feature_units(points: NDArray[np.float64], method: str) -> FeatureUnits:
 
     Parameters
     ----------
-    points : ndarray (n, d)
+    points : (n, d) float64
     method : {"standard", "minmax", "deviation"}
         Mean and standard deviation; minimum and range; zero and standard deviation. The denominator of
         standard deviations is n.
@@ -95,13 +95,13 @@ class BagScaler(  # type: ignore[call-arg]  # scikit-learn is untyped
 
     Attributes
     ----------
-    shift_ : ndarray (d,)
+    shift_ : (d,) float64
         Values subtracted.
-    width_ : ndarray (d,)
+    width_ : (d,) float64
         Values divided by; 1 for constant features.
     n_features_in_ : int
         Dimension of the points.
-    feature_names_in_ : ndarray (d,) of str
+    feature_names_in_ : (d,) str
         Names of the columns, if bags were data frames with such names in `fit`.
 
     Notes

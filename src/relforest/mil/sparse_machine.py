@@ -43,7 +43,7 @@ class SparseMachine:
 
     Attributes
     ----------
-    coefficients : (k,) array
+    coefficients : (k,) float64
         Weights without the intercept; many are 0.
     intercept : float
     n_passes : int
@@ -83,8 +83,8 @@ def train_sparse_machine(
 
     Parameters
     ----------
-    features : (n, k) array
-    positive : (n,) bool array
+    features : (n, k) float64
+    positive : (n,) bool
         Labels; both values occur.
     prices : (float, float)
         Price of slack for negative and for positive examples.

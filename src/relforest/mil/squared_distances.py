@@ -15,12 +15,12 @@ def squared_distances(points: NDArray[np.float64], centres: NDArray[np.float64])
 
     Parameters
     ----------
-    points : ndarray (n, d)
-    centres : ndarray (k, d)
+    points : (n, d) float64
+    centres : (k, d) float64
 
     Returns
     -------
-    ndarray (n, k)
+    (n, k) float64
         At least 0, in spite of rounding.
 
     Notes

@@ -39,13 +39,13 @@ class Predictions:
 
     Parameters
     ----------
-    predicted : ndarray (n_scenes,)
+    predicted : (n_scenes,) array
         The most probable class (the positive one of two at even odds), or float64 numbers.
-    probability : ndarray (n_scenes, n_classes) or None
+    probability : (n_scenes, n_classes) float64 or None
         Of each class; None for numbers.
-    leaf : int64 ndarray (n_scenes,) or None
+    leaf : (n_scenes,) int64 or None
         The leaf that decided, for a tree.
-    witnesses : dict of str to int64 ndarray (n_scenes,)
+    witnesses : dict of str to (n_scenes,) int64
         Object rows by variable, -1 = no object; empty for an ensemble.
     """
 

@@ -41,7 +41,7 @@ class TrainingData:
     Parameters
     ----------
     scenes : Scenes
-    y : ndarray (n_scenes,)
+    y : (n_scenes,) array
         The place of each scene's label in `classes`, int64; or numbers, float64.
     label : str
         The column of what is to be predicted.

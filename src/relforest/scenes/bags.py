@@ -32,10 +32,10 @@ class Bags:
 
     Attributes
     ----------
-    points : (n_points, d) float array
+    points : (n_points, d) float64
         Grouped by bag, in the given order within each bag; C-contiguous, with values of at most
         `LARGEST_VALUE`.
-    starts : (n_bags + 1,) int64 array
+    starts : (n_bags + 1,) int64
         Bag ``i`` is ``points[starts[i] : starts[i + 1]]``; no bag is empty.
     bag_ids : (n_bags,) array
         Identifiers in order of first appearance; 0, 1, 2, ... if none were given.
@@ -43,7 +43,7 @@ class Bags:
         Labels of the components of points, from the columns of data frames; None for other input.
     form : {"list", "identified", "rows", "cube"}
         Form of the input: an array per bag, an identifier per point, a 2-D array, or a 3-D array.
-    rows : (n_points,) int64 array or None
+    rows : (n_points,) int64 or None
         Row of each point in the input, if `form` is "identified".
     """
 

@@ -38,13 +38,13 @@ class Scenes:
     ----------
     schema : Schema
         The meaning of the columns of ``matrix`` and ``arguments``.
-    matrix : (n_rows, schema.width) float array
+    matrix : (n_rows, schema.width) float64
         One row per object; NaN where undefined. Angles are brought to (-pi, pi].
-    rows : (n_refs,) int array
+    rows : (n_refs,) int64
         Object rows, scene after scene. Several scenes may contain the same row.
-    starts, counts : (n_scenes,) int arrays
+    starts, counts : (n_scenes,) int64
         Scene ``i`` contains the objects ``rows[starts[i] : starts[i] + counts[i]]``.
-    arguments : (n_scenes, k) int array, optional
+    arguments : (n_scenes, k) int64, optional
         Object rows bound to the parameters of the schema, -1 = none. May be omitted if ``k`` is 0.
     scene_ids : (n_scenes,) array, optional
         Integers or strings. Default: 0, 1, 2, ...
@@ -148,7 +148,7 @@ class Scenes:
 
         Parameters
         ----------
-        indices : (m,) int array or (n_scenes,) bool array
+        indices : (m,) int64 or (n_scenes,) bool
             Positions (negative ones count from the end), or a mask.
 
         Raises
@@ -368,7 +368,7 @@ class Scenes:
 
         Parameters
         ----------
-        matrix : (n_rows, schema.width) float64 array
+        matrix : (n_rows, schema.width) float64
             Finite or NaN, angles in (-pi, pi]; neither is checked. Not copied, but made read-only.
 
         Raises

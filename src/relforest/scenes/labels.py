@@ -24,7 +24,7 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[
 
     Parameters
     ----------
-    y : array-like (n_expected,)
+    y : (n_expected,) array-like
         0 and 1, -1 and +1, booleans, or two strings.
     n_expected : int
         How many labels there should be.
@@ -33,9 +33,9 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[
 
     Returns
     -------
-    classes : ndarray (2,)
+    classes : (2,) array
         The labels in sorted order; ``classes[1]`` is the positive class.
-    positive : bool ndarray (n_expected,)
+    positive : (n_expected,) bool
         True where the label is ``classes[1]``.
 
     Raises

@@ -42,7 +42,7 @@ def needed_bounds(volume: Volume, points: NDArray[np.float64]) -> tuple[Bounds, 
     Parameters
     ----------
     volume : Volume
-    points : ndarray (n, d)
+    points : (n, d) float64
         Those that a question was asked about when it was learned.
 
     Returns

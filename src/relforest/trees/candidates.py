@@ -39,7 +39,7 @@ class Arrivals:
     Parameters
     ----------
     scenes : Scenes
-    places : int64 ndarray (n_scenes, k)
+    places : (n_scenes, k) int64
         Positions of the action arguments, see `argument_places`.
     mappings : tuple of Mapping
         The mapping functions that may be asked.
@@ -145,7 +145,7 @@ class Candidate:
     ----------
     question : PreparedQuestion
     volume : Volume
-    presence : bool ndarray (3, n_scenes)
+    presence : (3, n_scenes) bool
         Scenes at the Yes, No and Error leaf.
     gain : float
         Increase of the tree's log likelihood.
@@ -181,7 +181,7 @@ class OpenLeaf:
     tree : Tree
     leaf : int
         Ordinal of the leaf.
-    presence : bool ndarray (n_leaves, n_scenes)
+    presence : (n_leaves, n_scenes) bool
         Scenes that arrive at each leaf.
     assignment : Assignment
         Which leaf decides each scene, and the probabilities.

@@ -46,10 +46,10 @@ class Target:
     ----------
     task : int
         `BINARY`, `CLASSES` or `REAL`.
-    sums : ndarray (n_scenes, k)
+    sums : (n_scenes, k) float64
         By task: the weight as a negative and as a positive scene; the weight in each class; weight, weight
         times value and weight times squared value, the values being standardised.
-    strata : int64 ndarray (n_scenes,)
+    strata : (n_scenes,) int64
         A number for the class, or for whether the value is above the mean; samples are drawn in proportion.
     weighted : bool
         Whether the weights differ.
@@ -75,8 +75,8 @@ class Target:
 
         Parameters
         ----------
-        labels : bool ndarray (n_scenes,)
-        weights : ndarray (n_scenes,), optional
+        labels : (n_scenes,) bool
+        weights : (n_scenes,) float64, optional
             Positive; only their proportions count, see `effective_weights`.
         """
         return cls._of_classes(BINARY, labels.astype(np.int64), 2, weights)
@@ -93,10 +93,10 @@ class Target:
 
         Parameters
         ----------
-        codes : int64 ndarray (n_scenes,)
+        codes : (n_scenes,) int64
             Classes from 0 to `n_classes` - 1.
         n_classes : int
-        weights : ndarray (n_scenes,), optional
+        weights : (n_scenes,) float64, optional
             See `binary`.
         """
         return cls._of_classes(CLASSES, codes, n_classes, weights)
@@ -113,8 +113,8 @@ class Target:
 
         Parameters
         ----------
-        values : ndarray (n_scenes,)
-        weights : ndarray (n_scenes,), optional
+        values : (n_scenes,) float64
+        weights : (n_scenes,) float64, optional
             See `binary`.
         lowest : bool
             Whether the leaf with the lowest mean decides, instead of the highest.
@@ -168,7 +168,7 @@ class Target:
 
         Parameters
         ----------
-        presence : bool ndarray (n_leaves, n_scenes)
+        presence : (n_leaves, n_scenes) bool
             Whether any instantiation sequence of the scene arrives at the leaf. Every scene is present
             somewhere.
         """

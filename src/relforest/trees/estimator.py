@@ -103,10 +103,10 @@ class _SceneTree(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is u
         Parameters
         ----------
         scenes : Scenes
-        y : array-like (n_scenes,)
+        y : (n_scenes,) array-like
             Aligned with ``scenes.scene_ids``: labels that are whole numbers, booleans or strings; for a
             regressor, finite numbers.
-        sample_weight : array-like (n_scenes,), optional
+        sample_weight : (n_scenes,) array-like, optional
             Weights, of which only the proportions count; scenes of weight 0 are left out.
 
         Raises
@@ -195,7 +195,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     ----------
     tree_ : Tree
         The learned tree; ``print(model.tree_)`` describes it in words.
-    classes_ : ndarray (n_classes,)
+    classes_ : (n_classes,) array
         The labels in sorted order; of two, ``classes_[1]`` is the positive class.
     steps_ : tuple of Step
         The accepted questions, with p-values, in the order in which they were learned.

@@ -119,7 +119,7 @@ def grow(
     Parameters
     ----------
     scenes : Scenes
-    target : Target or bool ndarray (n_scenes,)
+    target : Target or (n_scenes,) bool
         What to predict; labels are True for scenes that contain an instance of the target concept.
     rng : Generator
         Source of all sampling.

@@ -27,12 +27,12 @@ class Answers:
 
     Parameters
     ----------
-    leaf : int64 ndarray (n,)
+    leaf : (n,) int64
         Ordinal of the deciding leaf: the most probable leaf that any instantiation sequence reaches.
-    densities : ndarray (n, tree.depth)
+    densities : (n, tree.depth) float64
         Density, relative to its peak, at each question above that leaf, root first, for the most
         representative sequence; 0 where the answer was Error and beyond the branch.
-    witnesses : int64 ndarray (n, tree.n_variables)
+    witnesses : (n, tree.n_variables) int64
         Object rows of that sequence, -1 = no object.
 
     References

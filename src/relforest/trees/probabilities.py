@@ -27,12 +27,12 @@ class Assignment:
 
     Parameters
     ----------
-    value : ndarray (n_leaves,)
+    value : (n_leaves,) float64
         The probability of the positive class; for several classes the largest share of any but the common
         one; or the mean of the standardised target.
-    sums : ndarray (n_leaves, k)
+    sums : (n_leaves, k) float64
         What the scenes that each leaf won add up to, see `Target.sums`.
-    winner : int64 ndarray (n_scenes,)
+    winner : (n_scenes,) int64
         The leaf that decides each scene.
     log_likelihood : float
         Logarithm of eq. 4.1 over all scenes, or of its counterpart for other targets.

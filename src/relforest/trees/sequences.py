@@ -25,9 +25,9 @@ class Sequences:
 
     Parameters
     ----------
-    scene : int64 ndarray (n,)
+    scene : (n,) int64
         The scene of each sequence, ascending.
-    objects : int64 ndarray (n, depth)
+    objects : (n, depth) int64
         The bound objects, by position in the scene; -1 = no object.
     ratio : float
         How many sequences each of them stands for on average: above 1, they are a sample of the leaf's.
@@ -65,9 +65,9 @@ class Sequences:
 
         Parameters
         ----------
-        counts : int64 ndarray (n_scenes,)
+        counts : (n_scenes,) int64
             Objects per scene.
-        arguments : int64 ndarray (n_scenes, k)
+        arguments : (n_scenes, k) int64
             Positions of the action arguments in their scenes, -1 = none. The first k variables are bound
             to them (section 6.2); later ones to every object not yet in the sequence, or to "no
             object" if there is none.

@@ -75,10 +75,10 @@ def class_weights(
     ----------
     class_weight : {"balanced"}, mapping or None
         "balanced" counts the scenes with their `weights`.
-    classes : ndarray (n_classes,)
-    codes : int64 ndarray (n_scenes,)
+    classes : (n_classes,) array
+    codes : (n_scenes,) int64
         The class of each scene.
-    weights : ndarray (n_scenes,), optional
+    weights : (n_scenes,) float64, optional
 
     Raises
     ------

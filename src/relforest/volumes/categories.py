@@ -38,9 +38,9 @@ def best_category(
 
     Parameters
     ----------
-    points : ndarray (n_points, 1)
+    points : (n_points, 1) float64
         Numbers of categories, grouped by bag.
-    starts : int64 ndarray (n_bags + 1,)
+    starts : (n_bags + 1,) int64
         Where each bag begins.
     known : labels (n_bags,) and evidence (n_bags, 2) or None
         As for `aggregate`.

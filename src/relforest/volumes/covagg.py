@@ -70,18 +70,18 @@ def aggregate(
 
     Parameters
     ----------
-    points : ndarray (n_points, d)
+    points : (n_points, d) float64
         Instances, grouped by bag; angles (n_points, 1) in radians if `space` is "circle"; numbers of
         categories (n_points, 1) if it is "category": then every category is tried.
-    starts : int64 ndarray (n_bags + 1,)
+    starts : (n_bags + 1,) int64
         Bag i holds ``points[starts[i]:starts[i + 1]]``; no bag is empty.
-    labels : bool ndarray (n_bags,)
+    labels : (n_bags,) bool
         True for positive bags.
     rng : Generator
         Random source for sampling bags.
     space, objective, settings
         The space of the points, the objective that scores a volume, and the parameters.
-    evidence : ndarray (n_bags, 2), optional
+    evidence : (n_bags, 2) float64, optional
         What each bag weighs as a negative and as a positive one ("weighted-log-likelihood"), or its weight,
         and its weight times its value ("squared-error"). Required by these two, unused by the others. Bags
         labelled positive are those that a volume is built from.

@@ -65,11 +65,11 @@ def best_cut(
 
     Parameters
     ----------
-    squared : ndarray (n_bags,)
+    squared : (n_bags,) float64
         Squared witness distances.
-    weights : int64 ndarray (n_bags,)
+    weights : (n_bags,) int64
         1 for negative, 2**32 for positive bags.
-    objective : (int, ndarray (n_bags + 1,))
+    objective : (int, (n_bags + 1,) float64)
         `ACCURACY` or `LOG_LIKELIHOOD`, and `entropy_table(n_bags)`.
     scale : float
         A squared distance near the expected cut, > 0; it affects only the speed.

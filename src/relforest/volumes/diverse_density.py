@@ -87,9 +87,9 @@ def log_diverse_density(squared: NDArray[np.float64], sides: NDArray[np.float64]
 
     Parameters
     ----------
-    squared : ndarray (n_bags,)
+    squared : (n_bags,) float64
         Squared distances of the bags' witnesses.
-    sides : ndarray (2, n_bags)
+    sides : (2, n_bags) float64
         What every bag weighs as a negative and as a positive one.
     """
     total = 0.0

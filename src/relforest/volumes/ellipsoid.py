@@ -33,9 +33,9 @@ class Ellipsoid:
 
     Parameters
     ----------
-    mean : ndarray (d,)
+    mean : (d,) float64
         The centre: the mean of the key points.
-    covariance : ndarray (d, d)
+    covariance : (d, d) float64
         V of eq. 3.6. It is an unnormalised scatter matrix, so only its shape and orientation are
         meaningful; the size of the volume is given by `radius`, relative to this matrix.
     radius : float

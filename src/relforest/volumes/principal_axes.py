@@ -15,15 +15,15 @@ class PrincipalAxes(NamedTuple):
 
     Parameters
     ----------
-    origin : ndarray (d,)
+    origin : (d,) float64
         Mean of the positive bags' points.
-    axes : ndarray (d, r)
+    axes : (d, r) float64
         Orthonormal directions in which those points spread.
-    coordinates : ndarray (n_points, r) or (n_points, r + 1)
+    coordinates : (n_points, r) or (n_points, r + 1) float64
         Along the axes; where r < d, a last coordinate holds the distance from the space that they
         span. No key point has a part in those directions, so every V is a multiple of the identity
         there, and only the length of a point's part in them counts.
-    variances : ndarray (r,) or (r + 1,)
+    variances : (r,) or (r + 1,) float64
         Diagonal of ``ncov(P) / p``.
     """
 

@@ -50,11 +50,11 @@ class APRClassifier(InstanceClassifier):
 
     Attributes
     ----------
-    lower_, upper_ : ndarray (d,)
+    lower_, upper_ : (d,) float64
         Bounds in the units of the bags; infinite for features that are not selected.
-    features_ : int64 ndarray (n_selected,)
+    features_ : (n_selected,) int64
         The selected features, in ascending order.
-    scales_ : ndarray (d,)
+    scales_ : (d,) float64
         Factors of distances along the features: 1, or 1 / deviation with `scale`.
 
     Notes

@@ -44,9 +44,9 @@ class DiverseDensityClassifier(DensityClassifier):
 
     Attributes
     ----------
-    centre_ : ndarray (d,)
+    centre_ : (d,) float64
         The point, in the units of the bags.
-    scales_ : ndarray (d,)
+    scales_ : (d,) float64
         Scale of each feature, at least 0: an instance x is positive with a probability of
         ``exp(-((scales_ * (x - centre_)) ** 2).sum())``.
     negative_log_density_ : float
@@ -92,7 +92,7 @@ def densest(
     Parameters
     ----------
     sample : Sample
-    starts : ndarray (n_starts, 2, d)
+    starts : (n_starts, 2, d) float64
     kept : int
         Number of ascents to complete, at most n_starts.
     max_steps : int
@@ -100,7 +100,7 @@ def densest(
 
     Returns
     -------
-    (ndarray (2, d), float)
+    ((2, d) float64, float)
         The best hypothesis and its negative log density.
     """
     values = np.full(kept, np.inf)

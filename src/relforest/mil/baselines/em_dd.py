@@ -96,13 +96,13 @@ def most_convincing(
     Parameters
     ----------
     sample : Sample
-    starts : ndarray (n_starts, 2, d)
+    starts : (n_starts, 2, d) float64
     max_steps : int
         Largest number of steps in an ascent.
 
     Returns
     -------
-    (ndarray (2, d), float)
+    ((2, d) float64, float)
         The hypothesis with the fewest errors, and its negative log density.
     """
     best, best_value, fewest = starts[0].copy(), np.inf, len(sample.positive) + 1

@@ -52,9 +52,9 @@ class Search:
     Attributes
     ----------
     sample : Sample
-    shift : ndarray (d,)
+    shift : (d,) float64
         Values subtracted from the features, so that large offsets do not cost digits.
-    factors : ndarray (d,)
+    factors : (d,) float64
         Factors of the shifted features; 0 for constant features.
     """
 

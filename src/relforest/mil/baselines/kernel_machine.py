@@ -33,11 +33,11 @@ class KernelMachine:
 
     Attributes
     ----------
-    vectors : (m, d) array
+    vectors : (m, d) float64
         Support vectors.
-    coefficients : (m,) array
+    coefficients : (m,) float64
         Weights of the support vectors, at least 0 for positive ones.
-    rows : (m,) int64 array
+    rows : (m,) int64
         Indices of the support vectors among the training points.
     intercept : float
         Constant term.
@@ -77,7 +77,7 @@ class KernelProblem:
 
     Parameters
     ----------
-    points : (n, d) array
+    points : (n, d) float64
         Copied.
     gamma : float
         Coefficient of squared distances.

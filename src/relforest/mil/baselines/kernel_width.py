@@ -25,7 +25,7 @@ def kernel_gamma(points: NDArray[np.float64], gamma: object, factor: object) -> 
 
     Parameters
     ----------
-    points : (n, d) array
+    points : (n, d) float64
         The training instances of all bags.
     gamma : "heuristic" or float
         A number, or "heuristic" for `heuristic_gamma`.
@@ -58,7 +58,7 @@ def heuristic_gamma(points: NDArray[np.float64]) -> float:
 
     Parameters
     ----------
-    points : (n, d) array
+    points : (n, d) float64
         The training instances of all bags, at least two.
 
     Notes

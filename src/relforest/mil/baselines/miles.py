@@ -48,9 +48,9 @@ class MILESClassifier(BagClassifier):
 
     Attributes
     ----------
-    prototypes_ : ndarray (k, d)
+    prototypes_ : (k, d) float64
         The training instances with a weight other than 0.
-    coef_ : ndarray (k,)
+    coef_ : (k,) float64
         Weights of the prototypes; positive if similarity is evidence for a positive bag.
     intercept_ : float
         0 without `fit_intercept`.
@@ -124,7 +124,7 @@ def embed(bags: Bags, prototypes: NDArray[np.float64], gamma: float) -> NDArray[
     ----------
     bags : Bags
         Bags of instances x_j.
-    prototypes : (n_prototypes, d) array
+    prototypes : (n_prototypes, d) float64
         At least one.
     gamma : float
         Coefficient of squared distances.

@@ -74,10 +74,10 @@ def negative_log_density(
     Parameters
     ----------
     sample : Sample
-    hypothesis : ndarray (2, d)
-    gradient : ndarray (2, d)
+    hypothesis : (2, d) float64
+    gradient : (2, d) float64
         Overwritten with the derivatives with respect to the hypothesis.
-    slopes : ndarray (n,)
+    slopes : (n,) float64
         Overwritten with the derivatives with respect to the squared distances.
 
     Returns

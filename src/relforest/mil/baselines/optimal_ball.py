@@ -36,9 +36,9 @@ class OptimalBallClassifier(InstanceClassifier):
 
     Attributes
     ----------
-    centre_ : ndarray (d,)
+    centre_ : (d,) float64
         The centre, in the units of the bags.
-    scales_ : ndarray (d,)
+    scales_ : (d,) float64
         Scales of distances: the distance of x is ``np.linalg.norm(scales_ * (x - centre_))``. All 1 without
         normalisation; with it, 1 / range, and 0 for features that are constant in training.
     radius_ : float
@@ -86,9 +86,9 @@ def widest_best_ball(nearest: NDArray[np.float64], positive: NDArray[np.bool_]) 
 
     Parameters
     ----------
-    nearest : ndarray (n_centres, n_bags)
+    nearest : (n_centres, n_bags) float64
         Distances of the bags.
-    positive : bool ndarray (n_bags,)
+    positive : (n_bags,) bool
 
     Returns
     -------

@@ -37,13 +37,13 @@ def grow(points: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.i
 
     Parameters
     ----------
-    points : ndarray (n, d)
-    starts : ndarray (n_bags + 1,)
+    points : (n, d) float64
+    starts : (n_bags + 1,) int64
         First point of each bag; no bag is empty.
 
     Returns
     -------
-    int64 ndarray (n_bags,)
+    (n_bags,) int64
         Row of the chosen point of each bag.
     """
     n_bags = len(starts) - 1
@@ -149,14 +149,14 @@ def discriminating(
 
     Parameters
     ----------
-    negatives : ndarray (m, d)
-    box : ndarray (2, d)
+    negatives : (m, d) float64
+    box : (2, d) float64
         Lower and upper bounds.
     margin : float
 
     Returns
     -------
-    bool ndarray (d,)
+    (d,) bool
         All False if all points are inside.
     """
     excluded = _exclusions(negatives, box, margin)
@@ -193,14 +193,14 @@ def expansion(values: NDArray[np.float64], tau: float, epsilon: float) -> NDArra
 
     Parameters
     ----------
-    values : ndarray (n_bags, d)
+    values : (n_bags, d) float64
         The chosen points.
     tau, epsilon : float
         Between 0 and 1; not so small that 1 + tau rounds to 1 or epsilon / 2 to 0.
 
     Returns
     -------
-    ndarray (2, d)
+    (2, d) float64
         For the lower and the upper bounds, at least 0.
     """
     low, high = values.min(axis=0), values.max(axis=0)
