@@ -97,7 +97,7 @@ def policy_of(document: Mapping[str, Any], folder: Path) -> tuple[ValueFunction,
             raise ModelFormatError(
                 f"{len(actions)} action types are too many: at most {MAX_ACTIONS} are allowed"
             )
-        kinds = tuple(ActionType(entry["name"], _listed(entry, "parameters")) for entry in actions)
+        types = tuple(ActionType(entry["name"], _listed(entry, "parameters")) for entry in actions)
         names = tuple(tuple(map(_file_name, _listed(entry, "trees"))) for entry in actions)
         (repeated, count), *_ = Counter(name for own in names for name in own).most_common(1) or [("", 0)]
         if count > 1:
@@ -105,7 +105,7 @@ def policy_of(document: Mapping[str, Any], folder: Path) -> tuple[ValueFunction,
         features: FeatureMode = policy["features"]
         vectors = tuple(weights[entry["weights"]] for entry in actions)
         forests = tuple(tuple(_read_tree(folder / TREES / name) for name in own) for own in names)
-        return ValueFunction(schema, kinds, features, forests, vectors), names
+        return ValueFunction(schema, types, features, forests, vectors), names
 
 
 def tree_name(iteration: int, slug: str, number: int) -> str:

@@ -80,8 +80,8 @@ class ValueFunction:
     def zero(cls, schema: Schema, action_types: Sequence[ActionType], features: FeatureMode) -> ValueFunction:
         """Return the value function before learning: no trees, and 0 for every action."""
         none: tuple[Tree, ...] = ()
-        kinds = tuple(action_types)
-        return cls(schema, kinds, features, (none,) * len(kinds), tuple(np.zeros(1) for _ in kinds))
+        types = tuple(action_types)
+        return cls(schema, types, features, (none,) * len(types), tuple(np.zeros(1) for _ in types))
 
     @property
     def n_trees(self) -> int:

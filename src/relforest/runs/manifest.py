@@ -65,7 +65,7 @@ def held(folder: Path, manifest: Manifest, *, is_finished: Callable[[], bool]) -
     Raises
     ------
     RunFolderError
-        If the folder is in use, is of another kind, belongs to other work, or cannot be written to although
+        If the folder is in use, is of another format, belongs to other work, or cannot be written to although
         work is left. Nothing is changed then.
     """
     # Before the lock too, because taking it makes a file.

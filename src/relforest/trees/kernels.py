@@ -21,7 +21,7 @@ from relforest.trees.packing import (
     DIM,
     FIRST,
     INSTANTIATION,
-    KIND,
+    NODE_TYPE,
     OPERATION,
     ORDINAL,
     QUESTION,
@@ -157,8 +157,8 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
             _pause(state, floats, (winner, best_rank, node, depth, asked), (best_total, total))
             return UNFINISHED
         steps -= 1
-        kind, rank = nodes[node, KIND], nodes[node, RANK]
-        if kind == QUESTION:
+        node_type, rank = nodes[node, NODE_TYPE], nodes[node, RANK]
+        if node_type == QUESTION:
             a, b, c = nodes[node, VARIABLES], nodes[node, VARIABLES + 1], nodes[node, VARIABLES + 2]
             bound = (state[BOUND, a], state[BOUND, b] if b >= 0 else -1, state[BOUND, c] if c >= 0 else -1)
             answer, density = ask(nodes, node, numbers, matrix, bound, floats, _POINT)
@@ -167,7 +167,7 @@ def query_scene(  # noqa: C901, PLR0912, PLR0915 - see the comment inside
             asked, node = asked + 1, nodes[node, CHILDREN + answer]
             if nodes[node, RANK] <= best_rank:
                 continue
-        elif kind == INSTANTIATION:
+        elif node_type == INSTANTIATION:
             if rank < best_rank or total >= best_total:  # further densities only lower the sum
                 state[_NODE, depth], state[_ASKED, depth], state[_PLACE, depth] = node, asked, -1
                 floats[_TOTAL, depth] = total

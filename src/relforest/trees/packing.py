@@ -21,7 +21,7 @@ LEAF: Final = 0
 INSTANTIATION: Final = 1
 QUESTION: Final = 2
 
-KIND: Final = 0
+NODE_TYPE: Final = 0
 OPERATION: Final = 1  # code of the mapping's operation
 CIRCULAR: Final = 2  # 1 if the codomain is the circle
 FIRST: Final = 3  # first column of the attribute
@@ -68,10 +68,10 @@ def pack(schema: Schema, nodes: tuple[Node, ...]) -> PackedTree:
             asked[child] = asked[i] + isinstance(node, Question)
         match node:
             case AnyLeaf():
-                row[KIND], row[ORDINAL] = LEAF, ordinal
+                row[NODE_TYPE], row[ORDINAL] = LEAF, ordinal
                 ordinal += 1
             case Instantiation():
-                row[KIND] = INSTANTIATION
+                row[NODE_TYPE] = INSTANTIATION
                 question, variable = nodes[node.child], int(bound[i])
                 # The first free variable is searched for only once.
                 is_repeated = variable > schema.n_parameters
@@ -105,7 +105,7 @@ def pack_question(schema: Schema, question: Question) -> tuple[NDArray[np.int64]
 
 def _pack_question(node: Question, first: int, row: NDArray[np.int64]) -> None:
     attribute = node.mapping.attribute
-    row[KIND] = QUESTION
+    row[NODE_TYPE] = QUESTION
     row[OPERATION] = node.mapping.rule.code
     row[CIRCULAR] = node.mapping.space == "circle"
     row[FIRST] = first

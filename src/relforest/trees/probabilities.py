@@ -57,7 +57,7 @@ class Assignment:
 
 @kernel
 def assigned(
-    presence: NDArray[np.bool_], sums: NDArray[np.float64], kind: int, common: int
+    presence: NDArray[np.bool_], sums: NDArray[np.float64], target: int, common: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
     """Return the value, the sums and the winner of an `Assignment`."""
     n_leaves, n_scenes = presence.shape
@@ -67,20 +67,20 @@ def assigned(
     is_assigned = np.zeros(n_leaves, dtype=np.bool_)
     bound = np.inf
     while True:
-        best, highest = _highest(presence, sums, (kind, common), winner, is_assigned, won)
+        best, highest = _highest(presence, sums, (target, common), winner, is_assigned, won)
         if best < 0:
             break
         is_assigned[best] = True
         value[best] = min(highest, bound)
-        bound = _below(value[best], kind)
+        bound = _below(value[best], target)
         for scene in range(n_scenes):
             if presence[best, scene] and winner[scene] < 0:
                 winner[scene] = best
     rest = won.sum(axis=0)
     for leaf in range(n_leaves):
         if not is_assigned[leaf]:
-            value[leaf] = min(value_of(rest, kind, common), bound)
-            bound = _below(value[leaf], kind)
+            value[leaf] = min(value_of(rest, target, common), bound)
+            bound = _below(value[leaf], target)
     return value, won, winner
 
 
@@ -128,9 +128,9 @@ def _add_up(
 
 
 @kernel
-def value_of(sums: NDArray[np.float64], kind: int, common: int) -> float:
+def value_of(sums: NDArray[np.float64], target: int, common: int) -> float:
     """Return the value that orders a leaf with these sums."""
-    if kind == REAL:
+    if target == REAL:
         return float(sums[1] / sums[0])
     total, largest = 0.0, 0.0
     for k in range(len(sums)):
@@ -141,6 +141,6 @@ def value_of(sums: NDArray[np.float64], kind: int, common: int) -> float:
 
 
 @kernel
-def _below(value: float, kind: int) -> float:
+def _below(value: float, target: int) -> float:
     """Return the largest value that a leaf assigned later may have."""
-    return float(value - _STEP if kind == REAL else value * _BELOW_PREVIOUS)
+    return float(value - _STEP if target == REAL else value * _BELOW_PREVIOUS)

@@ -22,6 +22,14 @@ Examples
 >>> for name in [each for each in baselines.__all__ if each.endswith("Classifier")]:
 ...     model = getattr(baselines, name)().fit(bags, [1] * 20 + [0] * 20)
 ...     print(name, model.predict(bags[[0, 30]]))
+APRClassifier [1 0]
+BagMarginSVMClassifier [1 0]
+DiverseDensityClassifier [1 0]
+EMDDClassifier [1 0]
+InstanceMarginSVMClassifier [1 0]
+MILESClassifier [1 0]
+OptimalBallClassifier [1 0]
+SingleInstanceSVMClassifier [1 0]
 """
 
 from __future__ import annotations

@@ -154,11 +154,11 @@ def _holder(players: NDArray[np.float64], ball: NDArray[np.float64], keepers: in
 
 
 def _command(player: int, keepers: int, command: list[int]) -> Words:
-    kind, amount, direction = command
+    verb, amount, direction = command
     words = {
         NONE: " does nothing",
         DASH: f" dashes with power {amount}",
         TURN: f" turns by {amount}\N{DEGREE SIGN}",
         KICK: f" kicks with power {amount}, direction {direction}\N{DEGREE SIGN}",
-    }[kind]
+    }[verb]
     return (player_chip(player, keepers), words.replace("-", "\N{MINUS SIGN}"))

@@ -77,12 +77,12 @@ def count_events(games: Games, g: int, setup: Setup, tally: Tally) -> None:
     if taker_distance < REACH:
         events[TAKER_CYCLES] += 1
     for i in range(setup.keepers + setup.takers):
-        kind = games.commands[g, i, 0]
-        if kind == KICK:
+        verb = games.commands[g, i, 0]
+        if verb == KICK:
             events[KEEPER_KICKS if i < setup.keepers else TAKER_KICKS] += 1
-        elif kind == DASH:
+        elif verb == DASH:
             events[DASHES] += 1
-        elif kind == TURN:
+        elif verb == TURN:
             events[TURNS] += 1
     speed = math.hypot(ball[VX], ball[VY])
     tally.speeds[min(int(speed / SPEED_STEP), N_SPEEDS - 1)] += 1

@@ -1,6 +1,6 @@
 """Commands that players send to the server: dash, turn or kick, in whole numbers.
 
-A command is three integers: its kind, the power (dash, kick) or the moment (turn), and the direction of a
+A command is three integers: its verb, the power (dash, kick) or the moment (turn), and the direction of a
 kick relative to the body, in degrees.
 """
 

@@ -56,20 +56,20 @@ class Steps:
 
     ball: Floats  # (s, 4): x, y, vx, vy
     players: Floats  # (s, n, 5): x, y, vx, vy, body
-    commands: NDArray[np.int64]  # (s, n, 3): kind, power or moment, direction
+    commands: NDArray[np.int64]  # (s, n, 3): verb, power or moment, direction
     next_ball: Floats
     next_players: Floats
 
 
 class StepCount(NamedTuple):
-    """How many steps of one kind there were, and how many of them no noise can explain."""
+    """How many steps of one sort there were, and how many of them no noise can explain."""
 
     steps: int
     violations: int
 
 
 class _Rules(NamedTuple):
-    """How one kind of object moves."""
+    """How objects of one sort move."""
 
     acceleration_max: float
     speed_max: float
@@ -84,7 +84,7 @@ _PLAYER: Final = _Rules(PLAYER_ACCELERATION_MAX, PLAYER_SPEED_MAX, PLAYER_NOISE,
 def step_violations(
     steps: Steps, *, rounding: float = 0.0, body_rounding: float = 0.0, min_dash_power: int = -POWER_MAX
 ) -> dict[str, StepCount]:
-    """Count the steps of each kind, and those that lie outside the bounds of the noise.
+    """Count the steps of each sort, and those that lie outside the bounds of the noise.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def step_violations(
         ``"free ball"`` (nobody kicks), ``"kick"`` (the ball, kicked by one or more), ``"turn"`` and
         ``"dash"`` (players), and ``"collision"``: steps of ball or players that do not fit free motion but
         end beside another object; their velocity must be turned back at a tenth. They count in their own
-        kind too.
+        sort too.
     """
     tolerance = _ROUNDINGS * rounding + _EXACT
     push, turned = _pushed_and_turned(steps, rounding, body_rounding, min_dash_power)
@@ -114,14 +114,14 @@ def step_violations(
     (free, bounced), (free_ball, bounced_ball) = bodies
     legal = (free | bounced & touching[:, :-1]) & turned
     legal_ball = free_ball | bounced_ball & touching[:, -1]
-    kinds = steps.commands[:, :, 0]
+    verbs = steps.commands[:, :, 0]
     collided = np.column_stack([~free & touching[:, :-1], ~free_ball & touching[:, -1]])
     explained = np.column_stack([bounced, bounced_ball])
     return {
         "free ball": _count(legal_ball, ~kicked),
         "kick": _count(legal_ball, kicked),
-        "turn": _count(legal, kinds == TURN),
-        "dash": _count(legal, kinds == DASH),
+        "turn": _count(legal, verbs == TURN),
+        "dash": _count(legal, verbs == DASH),
         "collision": _count(explained, collided),
     }
 
@@ -170,10 +170,10 @@ def _pushed_and_turned(
     steps: Steps, rounding: float, body_rounding: float, min_dash_power: int
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """The accelerations of players, and whether their bodies turned as far as they may."""
-    kinds, amounts = steps.commands[:, :, 0], steps.commands[:, :, 1].astype(np.float64)
+    verbs, amounts = steps.commands[:, :, 0], steps.commands[:, :, 1].astype(np.float64)
     bodies = steps.players[..., BODY]
-    power = np.where(kinds == DASH, np.clip(amounts, min_dash_power, POWER_MAX), 0.0)
-    moment = np.where(kinds == TURN, amounts, 0.0)
+    power = np.where(verbs == DASH, np.clip(amounts, min_dash_power, POWER_MAX), 0.0)
+    moment = np.where(verbs == TURN, amounts, 0.0)
     speed = _length(steps.players[..., _VELOCITY])
     error = math.sqrt(2.0) * rounding
     # A speed known up to a rounding error leaves the inertia unknown as well.

@@ -22,7 +22,7 @@ FULLSTATE: Final = 2
 PERCEPTIONS: Final[Mapping[str, int]] = MappingProxyType(
     {"exact": EXACT, "quantised": QUANTISED, "fullstate": FULLSTATE}
 )
-"""Name of a kind of perception in the options -> its code."""
+"""Name of a perception in the options -> its code."""
 
 NONE: Final = 0
 DASH: Final = 1
@@ -76,7 +76,7 @@ class Games(NamedTuple):
 
     players: NDArray[np.float64]  # (G, n, 5) x, y, vx, vy, body
     ball: NDArray[np.float64]  # (G, 4) x, y, vx, vy
-    commands: NDArray[np.int64]  # (G, n, 3) kind, power (dash, kick) or moment (turn), direction (kick)
+    commands: NDArray[np.int64]  # (G, n, 3) verb, power (dash, kick) or moment (turn), direction (kick)
     memory: NDArray[np.float64]  # (G, n, N_MEMORY) what each player remembers
     counters: NDArray[np.int64]  # (G, N_COUNTERS)
     anchor: NDArray[np.float64]  # (G, 2) where the stuck-ball rule saw the ball move last

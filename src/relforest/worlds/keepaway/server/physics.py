@@ -59,15 +59,15 @@ def execute(games: Games, g: int, setup: Setup) -> None:
     kick_x, kick_y = 0.0, 0.0
     # The ball has not moved yet, and a kick needs the kicker's own state only, so players may go one by one.
     for i in range(n_players):
-        kind, amount = games.commands[g, i, 0], games.commands[g, i, 1]
+        verb, amount = games.commands[g, i, 0], games.commands[g, i, 1]
         dash_x, dash_y, turned = 0.0, 0.0, 0.0
-        if kind == DASH:
+        if verb == DASH:
             push = DASH_RATE * min(max(amount, -POWER_MAX), POWER_MAX)
             dash_x = push * math.cos(players[g, i, BODY] * _RADIANS)
             dash_y = push * math.sin(players[g, i, BODY] * _RADIANS)
-        elif kind == TURN:
+        elif verb == TURN:
             turned = _turn(games, g, i)
-        elif kind == KICK:
+        elif verb == KICK:
             x, y = _kick(games, g, i)
             kick_x += x
             kick_y += y
