@@ -247,7 +247,6 @@ def test_docstrings_write_shapes_in_one_way() -> None:
     docstrings = [
         (where, node.value.value)
         for where, node in each(ast.Expr)
-        if not where.startswith("rl/")
         if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
     ]
 

@@ -29,7 +29,7 @@ class ActionValues(Protocol):
     """Says what each available action is worth; `relforest.rl.value.ValueFunction` does."""
 
     def values(self, decision: Decision) -> FloatArray:
-        """Return the value of each action of `decision`, shape (n_actions,)."""
+        """Return the value of each action of `decision`, (n_actions,)."""
         ...
 
 

@@ -94,7 +94,7 @@ class ValueFunction:
         return sum(tree.n_leaves for trees in self.forests for tree in trees)
 
     def values(self, decision: Decision) -> FloatArray:
-        """Return Q of each available action, shape (n_actions,).
+        """Return Q of each available action, (n_actions,).
 
         The decision must come from a world with this schema and these action types; this is not checked.
         """
@@ -115,7 +115,7 @@ class ValueFunction:
         return values
 
     def scene_values(self, number: int, scenes: Scenes) -> FloatArray:
-        """Return Q of each scene of one action type, shape (n_scenes,), using features."""
+        """Return Q of each scene of one action type, (n_scenes,), using features."""
         values: FloatArray = (
             forest_features(self.forests[number], scenes, self.features) @ self.weights[number]
         )

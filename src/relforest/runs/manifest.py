@@ -69,11 +69,11 @@ def held(folder: Path, manifest: Manifest, *, is_finished: Callable[[], bool]) -
         work is left. Nothing is changed then.
     """
     # Before the lock too, because taking it makes a file.
-    _check_kind(folder, manifest)
+    _check_format(folder, manifest)
     if not is_finished():
         _check_writable(folder)
     with FolderLock(folder):
-        _check_kind(folder, manifest)
+        _check_format(folder, manifest)
         remove_temporary_files(folder)
         there = _read(folder, manifest)
         here = {**manifest.content, "versions": versions()}
@@ -126,7 +126,7 @@ def _check_writable(folder: Path) -> None:
         raise RunFolderError(f"no space is left for {folder}: make room, or choose a folder on another disk")
 
 
-def _check_kind(folder: Path, manifest: Manifest) -> None:
+def _check_format(folder: Path, manifest: Manifest) -> None:
     if not folder.exists():
         return
     if not folder.is_dir():

@@ -69,7 +69,7 @@ class DenseFeatures(Generic[Observation]):
     Parameters
     ----------
     function : callable
-        Returns an array of shape (n_actions, n_features); the number of actions may differ between states.
+        Returns an (n_actions, n_features) array; the number of actions may differ between states.
     n_features : int
         Number of columns, 1 to 10 million.
     n_active : int, optional

@@ -1,7 +1,7 @@
 """Compiled inner loops of tile coding and Sarsa(lambda).
 
 In the parameters, `indices` and `values` are the two fields of `relforest.rl.baselines.feature_map.Features`,
-both of shape (n_actions, k).
+both (n_actions, k).
 """
 
 from __future__ import annotations
@@ -214,7 +214,7 @@ def advance(
 ) -> int:
     """Learn from one decision and return the next action; on an error, nothing changes.
 
-    `past` are the features of the previous action, each of shape (1, k).
+    `past` are the features of the previous action, each (1, k).
     """
     before, q = np.empty(1), np.empty(len(indices))
     failure = action_values(memory.weights, past[0], past[1], before)

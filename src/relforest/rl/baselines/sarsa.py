@@ -114,7 +114,7 @@ class SarsaLambda(Generic[Observation]):
 
     @property
     def weights(self) -> FloatArray:
-        """The learned weights, shape (n_features,): the array itself, not a copy."""
+        """The learned weights, (n_features,): the array itself, not a copy."""
         return self._memory.weights
 
     def start(self, observation: Observation) -> int:
@@ -182,7 +182,7 @@ class SarsaLambda(Generic[Observation]):
         self._past = None
 
     def values(self, observation: Observation) -> FloatArray:
-        """Return the value of each action, shape (n_actions,).
+        """Return the value of each action, (n_actions,).
 
         Raises
         ------
