@@ -138,7 +138,7 @@ class InstanceClassifier(BagClassifier, ABC):
 
     @abstractmethod
     def _instance_scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of each of the points (n, d), (n,); at least 0 where positive."""
+        """Return the score (n,) of each of the points (n, d); at least 0 where positive."""
 
     def _bag_scores(self, bags: Bags) -> NDArray[np.float64]:
         best: NDArray[np.float64] = np.maximum.reduceat(self._instance_scores(bags.points), bags.starts[:-1])

@@ -47,7 +47,7 @@ class FeatureView:
         return scaled if self.rotation is None else scaled @ self.rotation.T
 
     def original(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of the columns, in the units of the data, at coordinates (n, f), (n, k)."""
+        """Values (n, k) of the columns, in the units of the data, at coordinates (n, f)."""
         scaled = coordinates if self.rotation is None else coordinates @ self.rotation
         values: NDArray[np.float64] = scaled * self.scale + self.centre
         return values

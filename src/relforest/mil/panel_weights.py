@@ -18,7 +18,7 @@ _EQUAL: Final = 1e-12
 
 
 def score_spread(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Standard deviation of each panel's scores (b, p), (p,); 1 if all are equal."""
+    """Standard deviation (p,) of each panel's scores (b, p); 1 if all are equal."""
     spread: NDArray[np.float64] = scores.std(axis=0)
     return np.where(spread > _EQUAL * np.abs(scores).max(axis=0), spread, 1.0)
 

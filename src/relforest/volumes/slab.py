@@ -62,7 +62,7 @@ class Slab:
         return precision
 
     def coordinate(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Return the coordinate that matters of points (n, d), (n, 1)."""
+        """Return the coordinate (n, 1) that matters of points (n, d)."""
         rows = np.atleast_2d(np.asarray(points, dtype=np.float64))
         if rows.shape[1:] != (self.dim,):
             raise InputError(f"points must have the shape (n, {self.dim}), got {rows.shape}")

@@ -33,7 +33,7 @@ class DensityClassifier(InstanceClassifier, ABC):
         self.negative_log_density_ = negative_log_density
 
     def _squared_distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Squared distances D^2 of points (n, d), (n,)."""
+        """Squared distances D^2, (n,), of points (n, d)."""
         squared = np.empty(len(points))
         hypothesis = np.stack([self.centre_, self.scales_])
         fill_squared_distances(np.ascontiguousarray(points.T), hypothesis, squared)

@@ -55,7 +55,7 @@ class KernelMachine:
     converged: bool
 
     def scores(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of f for points (p, d), (p,); positive on the side of the positive class."""
+        """Values (p,) of f for points (p, d); positive on the side of the positive class."""
         # Squared distances lose fewer digits near the origin.
         centre = self.vectors.mean(axis=0)
         vectors = self.vectors - centre
@@ -103,7 +103,7 @@ class KernelProblem:
             self._kernel = radial_kernel(self._centred, self._centred, gamma)
 
     def replace_last(self, points: NDArray[np.float64]) -> None:
-        """Replace the last k points by others, (k, d)."""
+        """Replace the last k points by others (k, d)."""
         first = len(self._points) - len(points)
         self._points[first:] = points
         self._centred[first:] = points - self._centre
@@ -145,7 +145,7 @@ class KernelProblem:
 
 
 def radial_kernel(a: NDArray[np.float64], b: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
-    """Return exp(-gamma |x - y|^2) for all x in `a` (n, d) and y in `b` (k, d), (n, k)."""
+    """Return exp(-gamma |x - y|^2), (n, k), for all x in `a` (n, d) and y in `b` (k, d)."""
     values = squared_distances(a, b)
     # If the product overflows, the kernel value is still right: 0.
     with np.errstate(over="ignore"):
