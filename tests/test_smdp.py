@@ -113,6 +113,26 @@ def test_no_more_objects_are_private_than_there_are(n_private: Any, message: str
         make(n_private=n_private)
 
 
+def test_a_task_may_limit_how_many_actions_remain() -> None:
+    assert make().remaining is None
+    decision = make(remaining=np.int64(3))
+    assert decision.remaining == 3
+    assert type(decision.remaining) is int
+    # A time limit is no reason to offer nothing in the last state.
+    for remaining in (3, 0):
+        check_decision(make(remaining=remaining), SCHEMA, TYPES)
+    nothing: dict[str, Any] = {"types": [], "arguments": np.empty((0, 2)), "indices": []}
+    check_decision(make(**nothing, remaining=0), SCHEMA, TYPES)
+    with pytest.raises(InputError, match="remaining must be 0 in a state without actions, got 3"):
+        check_decision(make(**nothing, remaining=3), SCHEMA, TYPES)
+
+
+@pytest.mark.parametrize("remaining", [-1, 1.0, True, np.inf])
+def test_remaining_actions_are_counted(remaining: Any) -> None:
+    with pytest.raises(InputError, match="remaining must be an integer of at least 0, got"):
+        make(remaining=remaining)
+
+
 def test_decision_may_offer_no_action() -> None:
     empty = make(types=[], arguments=np.empty((0, 2)), indices=[])
     assert len(empty) == 0

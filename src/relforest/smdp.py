@@ -17,6 +17,8 @@ Conventions of the Gymnasium face of a world
 - The reward of ``env.step`` is the undiscounted total over the action; ``info["discounted_reward"]`` is
   the total discounted to the beginning of the action, and may be omitted if it equals the reward.
 - ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` marks a time limit.
+- `Decision.remaining`, where the task limits the number of actions, falls by one with every action; it is 0
+  in a terminal state, and 0 only at the end of an episode. A task without such a limit leaves it out.
 
 `relforest.testing.check_world` checks whether a world follows them.
 """
@@ -143,12 +145,16 @@ class Decision:
     n_private : int
         Number of private objects: the last rows. A private object that no action binds does not appear in any
         scene.
+    remaining : int, optional
+        How many actions the episode can still take, the chosen one included, where the task limits their
+        number. None: no such limit.
 
     Raises
     ------
     InputError
         If an array has the wrong number of dimensions, a type that cannot be cast safely, or a length that
-        disagrees with the others, or ``n_private`` is not from 0 to n.
+        disagrees with the others, ``n_private`` is not from 0 to n, or ``remaining`` is negative or no
+        integer.
 
     Notes
     -----
@@ -164,6 +170,7 @@ class Decision:
     arguments: NDArray[np.int64]
     indices: NDArray[np.int64]
     n_private: int = 0
+    remaining: int | None = None
 
     def __post_init__(self) -> None:
         for name, dtype, ndim in _COLUMNS:
@@ -187,6 +194,8 @@ class Decision:
             raise InputError(
                 f"n_private must be at most {len(self.objects)}, the number of objects, got {self.n_private}"
             )
+        if self.remaining is not None:
+            object.__setattr__(self, "remaining", at_least("remaining", self.remaining, 0))
 
     def __len__(self) -> int:
         """Return the number of available actions."""
@@ -260,7 +269,8 @@ def check_decision(decision: Decision, schema: Schema, action_types: Sequence[Ac
     ------
     InputError
         If the objects do not fit the schema, a value is infinite, an action has an unknown type, an argument
-        is missing, superfluous or not an object of the state, or an index is negative or appears twice.
+        is missing, superfluous or not an object of the state, an index is negative or appears twice, or
+        actions remain although none is offered.
     """
     n_objects, width = decision.objects.shape
     if width != schema.width:
@@ -275,6 +285,8 @@ def check_decision(decision: Decision, schema: Schema, action_types: Sequence[Ac
         )
     if len(np.unique(decision.indices)) < len(decision) or (decision.indices < 0).any():
         raise InputError(f"indices must be distinct and not negative, got {decision.indices.tolist()}")
+    if decision.remaining and not len(decision):
+        raise InputError(f"remaining must be 0 in a state without actions, got {decision.remaining}")
     for position, (type_, arguments) in enumerate(zip(decision.types, decision.arguments, strict=True)):
         if not 0 <= type_ < len(action_types):
             raise InputError(

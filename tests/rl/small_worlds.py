@@ -144,6 +144,7 @@ def two_episodes() -> Experience:
         matrix=np.array([[0.2], [0.8], [0.8], [0.4], [0.4]]),
         objects=np.array([0, 2, 3, 3, 4, 5]),
         private=np.zeros(5, dtype=np.int64),
+        remaining=np.full(5, -1),
         candidates=np.array([0, 3, 5, 6, 8, 10]),
         types=np.array([0, 1, 1, 0, 1, 0, 0, 1, 0, 1]),
         arguments=np.array([[-1], [0], [1], [-1], [0], [-1], [-1], [0], [-1], [0]]),

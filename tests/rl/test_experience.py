@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from rl.small_worlds import two_episodes
 
 
 def changed(**columns: Any) -> Experience:
-    return Experience(**(two_episodes().arrays() | columns))
+    return replace(two_episodes(), **columns)
 
 
 def test_counts() -> None:
@@ -24,7 +25,8 @@ def test_counts() -> None:
 def test_columns_survive_a_file(tmp_path: Path) -> None:
     experience = two_episodes()
     write_npz(tmp_path / "batch.npz", experience.arrays())
-    found = Experience.from_arrays(read_npz(tmp_path / "batch.npz", COLUMNS), origin="batch.npz")
+    read = read_npz(tmp_path / "batch.npz", COLUMNS, optional=OPTIONAL_COLUMNS)
+    found = Experience.from_arrays(read, origin="batch.npz")
     for name in COLUMNS:
         np.testing.assert_array_equal(getattr(found, name), getattr(experience, name))
 
@@ -37,6 +39,14 @@ def test_a_batch_written_before_there_were_private_objects_has_none(tmp_path: Pa
     assert Experience.from_arrays(read, origin="batch.npz").private.tolist() == [0, 0, 0, 0, 0]
 
 
+def test_files_say_how_many_actions_remain_where_there_is_a_limit(tmp_path: Path) -> None:
+    assert "remaining" not in two_episodes().arrays()
+    for limits in ([2, 1, 0, 4, 3], [-1, -1, -1, -1, -1]):
+        write_npz(tmp_path / "batch.npz", changed(remaining=np.array(limits)).arrays())
+        read = read_npz(tmp_path / "batch.npz", COLUMNS, optional=OPTIONAL_COLUMNS)
+        assert Experience.from_arrays(read, origin="batch.npz").remaining.tolist() == limits
+
+
 def test_columns_cannot_be_changed() -> None:
     with pytest.raises(ValueError, match="read-only"):
         two_episodes().rewards[0] = 1.0
@@ -44,7 +54,7 @@ def test_columns_cannot_be_changed() -> None:
 
 def test_batches_are_joined_with_new_numbers() -> None:
     one = changed(private=np.array([1, 0, 0, 0, 1]))
-    both = concatenate([one, one])
+    both = concatenate([one, replace(one, remaining=np.array([2, 1, 0, 4, 3]))])
     assert (len(both), both.n_states, both.n_episodes) == (6, 10, 4)
     # The second batch follows 5 states, 10 candidates and 5 object rows.
     assert both.states.tolist() == [0, 1, 3, 5, 6, 8]
@@ -52,6 +62,7 @@ def test_batches_are_joined_with_new_numbers() -> None:
     assert both.actions.tolist() == [1, 4, 6, 11, 14, 16]
     assert both.objects.tolist() == [0, 2, 3, 3, 4, 5, 7, 8, 8, 9, 10]
     assert both.private.tolist() == [1, 0, 0, 0, 1, 1, 0, 0, 0, 1]
+    assert both.remaining.tolist() == [-1, -1, -1, -1, -1, 2, 1, 0, 4, 3]
     assert both.candidates.tolist() == [0, 3, 5, 6, 8, 10, 13, 15, 16, 18, 20]
 
 
@@ -83,6 +94,8 @@ def test_joining_needs_batches_of_one_world() -> None:
         ({"private": np.zeros(4, dtype=np.int64)}, "private must have one entry for each of the 5 states"),
         ({"private": np.array([0, 0, 1, 0, 0])}, "private must be from 0 to the number of objects"),
         ({"private": np.array([0, -1, 0, 0, 0])}, "private must be from 0 to the number of objects"),
+        ({"remaining": np.full(6, -1)}, "remaining must have one entry for each of the 5 states, got 6"),
+        ({"remaining": np.array([1, 0, -2, 1, 0])}, "remaining must not be negative"),
         ({"types": np.array([0, 1, 1, 0, 1, 0, 0, 1, 0, -1])}, "types must not be negative"),
         ({"types": np.zeros(9, dtype=np.int64)}, "must be offsets"),
         ({"arguments": np.full((10, 1), 3)}, "positions of objects in their state"),

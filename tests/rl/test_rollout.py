@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import gymnasium
@@ -54,6 +54,19 @@ def test_a_limit_of_time_is_no_terminal_state() -> None:
     assert len(found) == 4
     assert found.truncated.tolist() == [False, False, False, True]
     assert not found.terminal.any()
+
+
+class Limited(Picking):
+    """Says that the fourth action is the last one."""
+
+    def decision(self) -> Decision:
+        return replace(super().decision(), remaining=4 - self.steps if len(self.things) else 0)
+
+
+def test_experience_says_how_many_actions_remain() -> None:
+    assert rollout(Picking(things=9), Last(), 1, SEED).remaining.tolist() == [-1] * 5
+    assert rollout(Limited(things=9), Last(), 2, SEED).remaining.tolist() == [4, 3, 2, 1, 0] * 2
+    assert rollout(Limited(things=2), Last(), 1, SEED).remaining.tolist() == [4, 3, 0]
 
 
 def test_the_same_seed_gives_the_same_experience() -> None:

@@ -350,6 +350,69 @@ def test_violations_name_the_clause(patches: dict[str, Patch], message: str) -> 
         check_world(corridor(**patches))
 
 
+def limited(first: int | None, *after: int | None) -> Callable[[], gymnasium.Env[Any, Any]]:
+    """Make corridors of two steps that say how many actions remain at first and after each step."""
+
+    def make() -> CorridorEnv:
+        env = CorridorEnv(max_steps=2)
+        original = env.decision
+        env.decision = lambda: replace(original(), remaining=(first, *after)[env.state.steps])  # type: ignore[method-assign]
+        return env
+
+    return make
+
+
+@pytest.mark.parametrize("remaining", [(None, None, None), (2, 1, 0), (3, 2, 1)])
+def test_remaining_actions_may_be_counted_down(remaining: tuple[int | None, ...]) -> None:
+    check_world(limited(*remaining), steps=5)
+
+
+@pytest.mark.parametrize(
+    ("remaining", "message"),
+    [
+        ((2, 2, 1), "must be 1 after an action in a state with 2, got 2"),
+        ((2, None, None), "must be 1 after an action in a state with 2, got None"),
+        ((None, 1, 0), "must be None after an action in a state with None, got 1"),
+        ((1, 0, 0), "no action remains, but the episode has not ended"),
+        ((0, 0, 0), "no action remains"),
+    ],
+)
+def test_remaining_actions_fall_by_one(remaining: tuple[int | None, ...], message: str) -> None:
+    with pytest.raises(AssertionError, match=f"^remaining: {message}"):
+        check_world(limited(*remaining))
+
+
+class Ending(Picking):
+    """Counts at most nine actions, but the last thing ends the episode before."""
+
+    left_over = 0
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        self.taken = 0
+        return super().reset(seed=seed, options=options)
+
+    def step(self, action: np.int64) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        self.taken += 1
+        observation, reward, terminated, _, info = super().step(action)
+        return observation, reward, terminated, self.taken == 9, info
+
+    def decision(self) -> Decision:
+        remaining = 9 - self.taken if len(self.things) else self.left_over
+        return replace(super().decision(), remaining=remaining)
+
+
+def test_nothing_remains_in_a_terminal_state() -> None:
+    check_world(Ending)
+
+    class Wrong(Ending):
+        left_over = 1
+
+    with pytest.raises(AssertionError, match=r"^decision: remaining must be 0 in a state without actions"):
+        check_world(Wrong)
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [

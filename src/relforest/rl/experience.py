@@ -21,6 +21,9 @@ from relforest.support.errors import InputError, ModelFormatError
 
 BoolArray = NDArray[np.bool_]
 
+NO_LIMIT = -1
+"""Marks a state in a task that does not limit the number of actions."""
+
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +42,8 @@ class Experience:
     private : (s,) int64
         Number of private objects in each state, which are its last ones: they belong only to the scenes of
         the candidates that bind them.
+    remaining : (s,) int64
+        How many actions the episode can still take in each state, `NO_LIMIT` where their number is unlimited.
     candidates : (s + 1,) int64
         State ``i`` offers the candidates ``candidates[i]`` to ``candidates[i + 1]`` (exclusive).
     types : (c,) int64
@@ -72,6 +77,7 @@ class Experience:
     matrix: FloatArray
     objects: IntArray
     private: IntArray
+    remaining: IntArray
     candidates: IntArray
     types: IntArray
     arguments: IntArray
@@ -108,8 +114,12 @@ class Experience:
         return len(self.episode_rewards)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return all columns by name, for `relforest.support.files.write_npz`."""
-        return {name: getattr(self, name) for name in _LAYOUT}
+        """Return the columns by name, for `relforest.support.files.write_npz`.
+
+        `remaining` is left out if no state has a limit.
+        """
+        limited = bool((self.remaining != NO_LIMIT).any())
+        return {name: getattr(self, name) for name in _LAYOUT if limited or name != "remaining"}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], *, origin: str) -> Experience:
@@ -118,8 +128,8 @@ class Experience:
         Parameters
         ----------
         arrays : mapping
-            The `COLUMNS` by name. `OPTIONAL_COLUMNS` may be missing, as in batches written before private
-            objects were introduced.
+            The `COLUMNS` by name. `OPTIONAL_COLUMNS` may be missing: without `private` no object is private,
+            as in batches written before there were such objects; without `remaining` no state has a limit.
         origin : str
             Where the arrays come from, for error messages.
 
@@ -132,7 +142,8 @@ class Experience:
         if missing:
             raise ModelFormatError(f"{origin} is not a batch of experience: {', '.join(missing)} missing")
         n_states = max(arrays["objects"].size - 1, 0)
-        columns = {"private": np.zeros(n_states, np.int64)} | dict(arrays)
+        private, remaining = np.zeros(n_states, np.int64), np.full(n_states, NO_LIMIT)
+        columns = {"private": private, "remaining": remaining} | dict(arrays)
         try:
             return cls(**{name: columns[name] for name in COLUMNS})
         except InputError as error:
@@ -178,8 +189,8 @@ def concatenate(batches: Sequence[Experience]) -> Experience:
 COLUMNS = tuple(field.name for field in fields(Experience))
 """Names of the columns of `Experience`, in order."""
 
-OPTIONAL_COLUMNS = ("private",)
-"""Columns that may be missing from a file; they are then 0."""
+OPTIONAL_COLUMNS = ("private", "remaining")
+"""Columns that may be missing from a file, see `Experience.from_arrays`."""
 
 _LAYOUT: dict[str, tuple[type[Any], int]] = {
     name: (
@@ -227,11 +238,12 @@ def _check_lengths(experience: Experience) -> None:
         lengths = [len(getattr(experience, name)) for name in names]
         if len(set(lengths)) > 1:
             raise InputError(f"{', '.join(names)} must have the same length, got {lengths}")
-    if len(experience.private) != experience.n_states:
-        raise InputError(
-            f"private must have one entry for each of the {experience.n_states} states, "
-            f"got {len(experience.private)}"
-        )
+    for name in ("private", "remaining"):
+        length = len(getattr(experience, name))
+        if length != experience.n_states:
+            raise InputError(
+                f"{name} must have one entry for each of the {experience.n_states} states, got {length}"
+            )
 
 
 def _check_numbers(experience: Experience) -> None:
@@ -251,6 +263,8 @@ def _check_numbers(experience: Experience) -> None:
     n_objects = np.diff(experience.objects)
     if ((experience.private < 0) | (experience.private > n_objects)).any():
         raise InputError("private must be from 0 to the number of objects of the state")
+    if (experience.remaining < NO_LIMIT).any():
+        raise InputError(f"remaining must not be negative, or {NO_LIMIT} where there is no limit")
     n_objects = np.repeat(n_objects, np.diff(experience.candidates))
     if ((experience.arguments < UNBOUND) | (experience.arguments >= n_objects[:, None])).any():
         raise InputError("arguments must be positions of objects in their state, or -1 for none")

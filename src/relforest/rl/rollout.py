@@ -7,7 +7,7 @@ from typing import Any, Protocol, SupportsFloat, TypeAlias
 
 import numpy as np
 
-from relforest.rl.experience import Experience
+from relforest.rl.experience import NO_LIMIT, Experience
 from relforest.rl.policy import Policy
 from relforest.scenes.arrays import IntArray
 from relforest.smdp import Decision, World
@@ -136,6 +136,10 @@ def experience_of(
         ),
         objects=_offsets([decision.n_objects for decision in decisions]),
         private=np.array([decision.n_private for decision in decisions], dtype=np.int64),
+        remaining=np.array(
+            [NO_LIMIT if decision.remaining is None else decision.remaining for decision in decisions],
+            dtype=np.int64,
+        ),
         candidates=candidates,
         types=np.concatenate([np.empty(0, np.int64), *(decision.types for decision in decisions)]),
         arguments=np.concatenate(

@@ -106,6 +106,27 @@ def check_moment(
         _check_step(*moment.outcome, info=moment.info, discount=world.discount)
 
 
+def check_remaining(moment: Moment, before: Moment | None) -> None:
+    """Check the number of remaining actions against that of the moment before.
+
+    Raises
+    ------
+    AssertionError
+        If it does not fall by one, or is 0 although the episode goes on.
+    """
+    found = moment.decision.remaining
+    if found == 0 and not moment.is_last:
+        raise violation("remaining", "no action remains, but the episode has not ended")
+    if moment.outcome is None or before is None:
+        return
+    last = before.decision.remaining
+    expected = None if last is None else 0 if moment.is_terminal else last - 1
+    if found != expected:
+        raise violation(
+            "remaining", f"must be {expected} after an action in a state with {last}, got {found}"
+        )
+
+
 def same_moment(one: Moment, other: Moment) -> bool:
     """Return whether two moments are equal, apart from entries of ``info`` outside the conventions."""
     return (
@@ -124,7 +145,7 @@ def is_finite(value: object) -> TypeGuard[float]:
 def _same_decision(one: Decision, other: Decision) -> bool:
     return (
         np.array_equal(one.objects, other.objects, equal_nan=True)
-        and one.n_private == other.n_private
+        and (one.n_private, one.remaining) == (other.n_private, other.remaining)
         and all(
             np.array_equal(getattr(one, name), getattr(other, name))
             for name in ("types", "arguments", "indices")

@@ -18,6 +18,7 @@ from relforest.support.progress import report
 from relforest.testing.moments import (
     Moment,
     check_moment,
+    check_remaining,
     first_moment,
     is_finite,
     next_moment,
@@ -71,6 +72,8 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
       private ones, and the others hold 0. The world chooses what represents an undefined value.
     - ``step``: flags are bool, the reward is finite, ``duration`` is finite and not negative,
       ``discounted_reward`` is finite if present, and equals the reward if the discount is 1.
+    - ``remaining``: within an episode, `Decision.remaining` falls by one with every action; it is 0 in a
+      terminal state, and only at the end. A task without a limit has None in all states.
     - ``determinism``: the same seed and the same actions give the same trajectory.
     - ``action``: a Python integer, a NumPy integer and a zero-dimensional NumPy array, which learners all
       use, have the same effect.
@@ -84,9 +87,10 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     env = _make(make_env)
     schema, action_types = _check_attributes(env)
     _check_spaces(env, schema)
-    moments = []
+    moments: list[Moment] = []
     for moment in walk(env, seed, steps):
         check_moment(moment, env, schema, action_types)
+        check_remaining(moment, moments[-1] if moments else None)
         moments.append(moment)
         report("checking a world", len(moments))
     for number, again in enumerate(walk(_make(make_env), seed, steps)):

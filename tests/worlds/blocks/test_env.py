@@ -201,12 +201,34 @@ def test_an_unavailable_action_does_nothing_and_counts() -> None:
     assert env.step(0)[3]
 
 
+def test_every_action_leaves_one_less() -> None:
+    env = high_towers_env(n_blocks=2, max_actions=3)
+    staged(env, ((2, 2), (0, 2, 0)), BESIDE_THE_TABLE, at_rest=False)
+    remaining = [env.decision().remaining]
+    for action in (2, 0, 2):  # the second one is unavailable by then
+        env.step(action)
+        remaining.append(env.decision().remaining)
+    assert remaining == [3, 2, 1, 0]
+    assert len(env.decision())
+    env.reset()
+    assert env.decision().remaining == 3
+
+
+def test_nothing_remains_after_done() -> None:
+    env = arch_env()
+    env.reset(seed=0)
+    assert env.decision().remaining == env.max_actions
+    env.step(24)
+    assert env.decision().remaining == 0
+
+
 def test_without_any_block_the_episode_is_over() -> None:
     env = staged(high_towers_env(n_blocks=1), BESIDE_THE_TABLE, at_rest=False)
     observation, reward, terminated, truncated, info = env.step(0)
     assert (terminated, truncated) == (True, False)
     assert not observation["mask"].any()
     assert info["mean_height"] == 0.0
+    assert env.decision().remaining == 0
     assert np.isfinite(reward)
 
 

@@ -32,7 +32,7 @@ class StagedWorld:
     def decision(self) -> Decision:
         watcher = Observer(self.task, len(self.state))
         watcher.begin(self.state.ids)
-        return watcher.look(self.state).decision
+        return watcher.look(self.state, 5).decision
 
 
 def chosen(policy: Policy, world: StagedWorld, seed: int = 0) -> tuple[str, tuple[int, ...]]:

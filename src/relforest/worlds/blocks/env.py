@@ -282,7 +282,7 @@ class BlocksEnv(WorldEnv):
         return f"{done}: {earned if abs(self._reward) >= 0.005 else '0.00'}"
 
     def _look(self, *, ended: bool = False) -> None:
-        self._moment = self._watcher.look(self._simulation.state, ended=ended)
+        self._moment = self._watcher.look(self._simulation.state, self.max_actions - self._taken, ended=ended)
 
     def _info(self) -> Info:
         return self._moment.info() | {self.task.score_name: self._moment.score}

@@ -80,8 +80,8 @@ class Observer:
         """Begin an episode with these blocks, given in ascending order: ``ids[i]`` has slot i."""
         self._slots, self._scene = ids, None
 
-    def look(self, state: BlocksState, *, ended: bool = False) -> Moment:
-        """Return what an agent sees in a state of the episode, or after it has terminated."""
+    def look(self, state: BlocksState, remaining: int, *, ended: bool = False) -> Moment:
+        """Return what an agent sees with so many actions left before the limit, or after the end."""
         if self._scene is None or state.ids is not self._ids:
             self._scene, self._ids = scene(describe_state(state), state.ids.tolist()), state.ids
             self._own = np.searchsorted(self._slots, state.ids)
@@ -95,7 +95,12 @@ class Observer:
             present, movers = np.concatenate([present, is_there]), targets.slots
         offer = self._actions.nothing() if ended else self._actions.offer(present, movers)
         decision = Decision(
-            objects, offer.types, offer.arguments, offer.indices, n_private=len(objects) - len(state)
+            objects,
+            offer.types,
+            offer.arguments,
+            offer.indices,
+            n_private=len(objects) - len(state),
+            remaining=remaining if len(offer.types) else 0,
         )
         return Moment(state, self._task.score(state), present, decision, offer.mask, shown)
 
