@@ -11,6 +11,8 @@ from relforest.forests.scene_tree import SceneTree, Value
 from relforest.forests.statements import Bound, Is, Near, Statement, Test
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from relforest.forests.conditions import Condition
@@ -49,9 +51,7 @@ class Packed(NamedTuple):
 
 def pack(schema: Schema, trees: tuple[SceneTree, ...]) -> Packed:
     """Return trees as arrays."""
-    statements: list[list[int]] = []
-    numbers: list[list[float]] = []
-    conditions: list[tuple[int, int, int, int]] = []
+    asked: list[Condition] = []
     nodes: list[tuple[int, int, int, int]] = []
     roots = []
     for tree in trees:
@@ -62,20 +62,32 @@ def pack(schema: Schema, trees: tuple[SceneTree, ...]) -> Packed:
                 nodes.append((-1, -1, -1, n_leaves))
                 n_leaves += 1
                 continue
-            begin = len(statements)
-            for statement in node.condition.statements:
-                row, values = _statement(schema, statement)
-                statements.append(row)
-                numbers.append(values)
-            asked: Condition = node.condition
-            nodes.append((len(conditions), root + node.yes, root + node.no, -1))
-            conditions.append((begin, len(statements), asked.n_free, 0 if asked.every else asked.at_least))
+            nodes.append((len(asked), root + node.yes, root + node.no, -1))
+            asked.append(node.condition)
+    return pack_conditions(schema, asked)._replace(
+        nodes=np.array(nodes, dtype=np.int64).reshape(-1, 4), roots=np.array(roots, dtype=np.int64)
+    )
+
+
+def pack_conditions(schema: Schema, asked: Sequence[Condition]) -> Packed:
+    """Return conditions as arrays, without trees."""
+    statements: list[list[int]] = []
+    numbers: list[list[float]] = []
+    conditions: list[tuple[int, int, int, int]] = []
+    for condition in asked:
+        begin = len(statements)
+        for statement in condition.statements:
+            row, values = _statement(schema, statement)
+            statements.append(row)
+            numbers.append(values)
+        needed = 0 if condition.every else condition.at_least
+        conditions.append((begin, len(statements), condition.n_free, needed))
     return Packed(
         np.array(statements, dtype=np.int64).reshape(-1, N_COLUMNS),
         np.array(numbers, dtype=np.float64).reshape(-1, N_NUMBERS),
         np.array(conditions, dtype=np.int64).reshape(-1, 4),
-        np.array(nodes, dtype=np.int64).reshape(-1, 4),
-        np.array(roots, dtype=np.int64),
+        np.empty((0, 4), dtype=np.int64),
+        np.empty(0, dtype=np.int64),
     )
 
 

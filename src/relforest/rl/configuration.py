@@ -10,13 +10,14 @@ import numpy as np
 
 from relforest.rl.rollout import Environment, world_of
 from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction
+from relforest.scenes import Schema
+from relforest.smdp import ActionType
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError
 
 
 def describe_run(
-    env: Environment, settings: RPISettings, seed: np.random.SeedSequence, episodes: tuple[int, int]
+    env: Environment, settings: Mapping[str, Any], seed: np.random.SeedSequence, episodes: tuple[int, int]
 ) -> dict[str, Any]:
     """Return the configuration of a run; `episodes` are training and test episodes per iteration."""
     world = world_of(env)
@@ -24,7 +25,7 @@ def describe_run(
         "random_state": seed_to_dict(seed),
         "episodes": episodes[0],
         "test_episodes": episodes[1],
-        "settings": settings.to_dict(),
+        "settings": settings,
         "world": {
             "name": type(world).__name__,
             "options": _options(env),
@@ -50,8 +51,8 @@ def restore_run(
         return seed, RPISettings.from_dict(configuration["settings"]), episodes
 
 
-def check_world(value: ValueFunction, env: Environment) -> None:
-    """Check that an agent can act in a world.
+def check_world(schema: Schema, action_types: tuple[ActionType, ...], env: Environment) -> None:
+    """Check that an agent that knows these attributes and action types can act in a world.
 
     Raises
     ------
@@ -60,13 +61,13 @@ def check_world(value: ValueFunction, env: Environment) -> None:
     """
     world = world_of(env)
     name = type(world).__name__
-    if world.schema.attributes != value.schema.attributes:
+    if world.schema.attributes != schema.attributes:
         raise InputError(
-            f"the agent was trained on objects with {value.schema.names}, but {name} has "
+            f"the agent was trained on objects with {schema.names}, but {name} has "
             f"{world.schema.names}: use a world with the same attributes"
         )
-    if tuple(world.action_types) != value.action_types:
-        there, here = ([known.name for known in types] for types in (value.action_types, world.action_types))
+    if tuple(world.action_types) != action_types:
+        there, here = ([known.name for known in types] for types in (action_types, world.action_types))
         raise InputError(
             f"the agent knows the action types {there}, but {name} has {here}: names and parameters must be "
             "the same"

@@ -9,12 +9,13 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Final, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from relforest.rl.configuration import check_world, describe_run
-from relforest.rl.experience import COLUMNS, OPTIONAL_COLUMNS, Experience
+from relforest.rl.experience import Experience
+from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
 from relforest.rl.policy_json import (
     TREES,
@@ -32,13 +33,10 @@ from relforest.rl.samples import draw_samples
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction, action_schemas
 from relforest.runs.learner import Row, Snapshot
-from relforest.support.errors import ModelFormatError
-from relforest.support.files import read_npz
 from relforest.support.progress import part, report
 from relforest.support.rng import stream
 
 _TRAINING, _TESTING, _SAMPLING, _LEARNING = 0, 1, 2, 3
-_EXPERIENCE: Final = "experience"
 
 
 @final
@@ -88,14 +86,12 @@ class RPILearner:
     test_episodes: int
     n_jobs: int = 1
 
-    files: ClassVar[re.Pattern[str]] = re.compile(
-        rf"{TREES}/\d{{4}}-.+-\d+\.json|{_EXPERIENCE}/iteration-\d{{4}}\.npz"
-    )
+    files: ClassVar[re.Pattern[str]] = re.compile(rf"{TREES}/\d{{4}}-.+-\d+\.json|{EXPERIENCE_FILES}")
 
     @property
     def configuration(self) -> dict[str, Any]:
         """Everything that the result depends on, as plain JSON values."""
-        return describe_run(self.env, self.settings, self.seed, (self.episodes, self.test_episodes))
+        return describe_run(self.env, self.settings.to_dict(), self.seed, (self.episodes, self.test_episodes))
 
     def start(self) -> Knowledge:
         """Return no trees, and a value of zero."""
@@ -146,7 +142,7 @@ class RPILearner:
 
     def to_plain(self, state: Knowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its trees and the experience as files."""
-        value, batches = state.value, enumerate(state.batches, start=1)
+        value = state.value
         trees = {
             f"{TREES}/{name}": tree.to_dict()
             for names, forest in zip(state.tree_names, value.forests, strict=True)
@@ -155,7 +151,7 @@ class RPILearner:
         weights = {name: vector.tolist() for name, vector in named_weights(value).items()}
         return Snapshot(
             {"policy": describe(value, state.tree_names), "weights": weights},
-            {**{_experience(i): batch.arrays() for i, batch in batches}, **trees},
+            {**experience_files(state.batches), **trees},
             derived_files(value, state.tree_names, number),
         )
 
@@ -170,19 +166,6 @@ class RPILearner:
             If they are of another world.
         """
         value, names = policy_of(document, folder)
-        check_world(value, self.env)
-        batches = tuple(_read_batch(folder / _experience(i), value) for i in range(1, number + 1))
+        check_world(value.schema, value.action_types, self.env)
+        batches = read_experience(folder, number, value.schema, value.action_types)
         return Knowledge(value, names, batches)
-
-
-def _experience(number: int) -> str:
-    return f"{_EXPERIENCE}/iteration-{number:04d}.npz"
-
-
-def _read_batch(path: Path, value: ValueFunction) -> Experience:
-    batch = Experience.from_arrays(read_npz(path, COLUMNS, optional=OPTIONAL_COLUMNS), origin=str(path))
-    arity = max((action_type.arity for action_type in value.action_types), default=0)
-    fits = batch.matrix.shape[1] == value.schema.width and batch.arguments.shape[1] == arity
-    if not fits or batch.types.max(initial=0) >= len(value.action_types):
-        raise ModelFormatError(f"{path} belongs to a different world than the checkpoint beside it")
-    return batch

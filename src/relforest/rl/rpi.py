@@ -201,7 +201,7 @@ class SMRFRPI:
         InputError
             If the world has other attributes or action types.
         """
-        check_world(self.value_, env)
+        check_world(self.value_.schema, self.value_.action_types, env)
         with printed_to_stderr(self.verbose), one_blas_thread():
             played = rollout(env, GreedyPolicy(self.value_), episodes, seed_sequence(seed))
         return Evaluation(played.episode_rewards, played.episode_durations)

@@ -149,10 +149,10 @@ class RPISettings:
             if isinstance(tree.get("covagg"), Mapping):
                 tree["covagg"] = {**_NEWER, **tree["covagg"]}
             document = {**document, "tree": tree}
-        return _read(cls, document)
+        return read_options(cls, document)
 
 
-def _read(cls: type[Options], document: object) -> Options:
+def read_options(cls: type[Options], document: object) -> Options:
     """Build a dataclass of options, and those nested in it, from plain values."""
     names = {entry.name for entry in fields(cls)}
     if not isinstance(document, Mapping) or set(document) != names:
@@ -161,7 +161,7 @@ def _read(cls: type[Options], document: object) -> Options:
         )
     hints = get_type_hints(cls)
     values = {
-        name: _read(hints[name], value) if is_dataclass(hints[name]) else value
+        name: read_options(hints[name], value) if is_dataclass(hints[name]) else value
         for name, value in document.items()
     }
     try:

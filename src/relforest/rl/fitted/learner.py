@@ -1,0 +1,179 @@
+"""The learner ``smrf-q`` in iterations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, final
+
+import numpy as np
+
+from relforest.rl.configuration import check_world, describe_run
+from relforest.rl.experience import NO_LIMIT, Experience
+from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
+from relforest.rl.fitted.additive import Sum, improved
+from relforest.rl.fitted.evidence import Evidence
+from relforest.rl.fitted.horizon import learned_backwards
+from relforest.rl.fitted.policy_json import (
+    FOREST_FILES,
+    FORMAT,
+    KEY,
+    VERSION,
+    describe,
+    forest_files,
+    value_of,
+)
+from relforest.rl.fitted.settings import QSettings
+from relforest.rl.fitted.value import QValue
+from relforest.rl.fitted.view import View
+from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
+from relforest.rl.policy_json import POLICY
+from relforest.rl.rollout import Environment, rollout, world_of
+from relforest.runs.learner import Row, Snapshot
+from relforest.support.progress import part
+from relforest.support.rng import generator, stream
+
+_TRAINING, _TESTING, _LEARNING = 0, 1, 2
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class QKnowledge:
+    """What ``smrf-q`` knows after an iteration.
+
+    Parameters
+    ----------
+    value : QValue or None
+        None before learning.
+    batches : tuple of Experience
+        Training experience, one batch per iteration.
+    """
+
+    value: QValue | None
+    batches: tuple[Experience, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class QLearner:
+    """Fitted Q iteration on relational features; its states are `QKnowledge`.
+
+    Its files are ``experience/iteration-0001.npz`` and so on, and ``forests/iteration-0001.npz`` of the last
+    iteration where the task limits the number of actions.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        Its ``unwrapped`` implements `relforest.smdp.World`.
+    settings : QSettings
+    seed : SeedSequence
+        Of the whole run.
+    episodes, test_episodes : int
+        Per iteration.
+    """
+
+    env: Environment
+    settings: QSettings
+    seed: np.random.SeedSequence
+    episodes: int
+    test_episodes: int
+
+    files: ClassVar[re.Pattern[str]] = re.compile(rf"{EXPERIENCE_FILES}|{FOREST_FILES}")
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """Everything that the result depends on, as plain JSON values."""
+        episodes = (self.episodes, self.test_episodes)
+        return describe_run(self.env, self.settings.to_dict(), self.seed, episodes)
+
+    def start(self) -> QKnowledge:
+        """Return that nothing is known."""
+        return QKnowledge(None, ())
+
+    def iterate(self, state: QKnowledge, number: int) -> QKnowledge:
+        """Gain training experience and learn from it."""
+        seed = stream(self.seed, number)
+        with part("training"):
+            policy = _policy(state, self.settings.epsilon)
+            batch = rollout(self.env, policy, self.episodes, stream(seed, _TRAINING))
+        batches = (*state.batches, batch)
+        with part("learning"):
+            value = self._learned(state.value, batches, generator(stream(seed, _LEARNING)))
+        return QKnowledge(value, batches)
+
+    def _learned(
+        self, before: QValue | None, batches: tuple[Experience, ...], rng: np.random.Generator
+    ) -> QValue:
+        world, settings = world_of(self.env), self.settings
+        view = before.view if before else View.of(world.schema, batches[0].matrix, settings.max_values)
+        schemas = view.schemas(world.action_types)
+        evidence = Evidence.of(_latest(batches, settings.max_samples), view, schemas, world.discount)
+        if (evidence.remaining != NO_LIMIT).any():
+            return QValue(
+                view, world.action_types, learned_backwards(schemas, evidence, settings.forests, rng)
+            )
+        known = None if before is None else before.learned
+        if not isinstance(known, Sum):
+            known = Sum.zero(schemas, evidence.base_type())
+        learned = improved(known, evidence, settings.curves, rng, is_first=before is None)
+        return QValue(view, world.action_types, learned)
+
+    def evaluate(self, state: QKnowledge, number: int) -> Row:
+        """Play test episodes with the policy."""
+        with part("testing"):
+            seed = stream(self.seed, number, _TESTING)
+            tested = rollout(self.env, _policy(state, 0.0), self.test_episodes, seed)
+        trained = float(state.batches[-1].episode_rewards.mean()) if state.batches else None
+        trees, leaves = (0, 0) if state.value is None else state.value.learned.size
+        return {
+            "test_reward": float(tested.episode_rewards.mean()),
+            "train_reward": trained,
+            "trees": trees,
+            "leaves": leaves,
+        }
+
+    def to_plain(self, state: QKnowledge, number: int) -> Snapshot:
+        """Return the policy for the checkpoint, its forests and the experience as files."""
+        document = None if state.value is None else describe(state.value)
+        header = {"format": FORMAT, "version": VERSION, "iteration": number}
+        return Snapshot(
+            {KEY: document},
+            {**experience_files(state.batches), **forest_files(state.value, number)},
+            {} if document is None else {POLICY: header | document},
+        )
+
+    def from_plain(self, document: Mapping[str, Any], number: int, folder: Path) -> QKnowledge:
+        """Read the policy and the experience of a checkpoint.
+
+        Raises
+        ------
+        ModelFormatError
+            If a file is missing or malformed, or the files do not match.
+        InputError
+            If they are of another world.
+        """
+        if number == 0:
+            return self.start()
+        value = value_of(document.get(KEY), folder, number)
+        check_world(value.schema, value.action_types, self.env)
+        return QKnowledge(value, read_experience(folder, number, value.schema, value.action_types))
+
+
+def _policy(state: QKnowledge, epsilon: float) -> Policy:
+    if state.value is None:
+        return RandomPolicy()
+    policy = GreedyPolicy(state.value)
+    return EpsilonGreedyPolicy(policy, epsilon) if epsilon else policy
+
+
+def _latest(batches: tuple[Experience, ...], most: int) -> tuple[Experience, ...]:
+    """Return the latest batches with at most so many transitions together, at least one of them."""
+    n, total = 0, 0
+    for batch in reversed(batches):
+        total += len(batch)
+        if n and total > most:
+            break
+        n += 1
+    return batches[len(batches) - n :]

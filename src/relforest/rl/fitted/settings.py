@@ -1,0 +1,136 @@
+"""The options of ``smrf-q``, checked once, and their JSON form."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any, final
+
+from relforest.rl.settings import read_options
+from relforest.support.errors import InputError
+from relforest.support.options import at_least, in_range
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CurveSettings:
+    """How a sum of curves is learned, where the number of actions is not limited.
+
+    Parameters
+    ----------
+    rounds : int
+        Rounds of new questions in an iteration.
+    candidates : int
+        Random questions tried for an action type in a round.
+    kept : int
+        Most of them that are kept.
+    max_questions : int
+        Most questions of an action type.
+    max_scenes : int
+        Scenes on which questions are tried.
+    min_scenes : int
+        Least number of scenes on either side of the best cut of a question.
+    ridge : float
+        Penalty on the standardised weights, above 0.
+    trace : float
+        Lambda of the returns that are learned from, 0 to 1.
+    sweeps : int
+        Most times that returns and weights are computed in turn.
+    """
+
+    rounds: int = 4
+    candidates: int = 60
+    kept: int = 2
+    max_questions: int = 40
+    max_scenes: int = 1500
+    min_scenes: int = 20
+    ridge: float = 30.0
+    trace: float = 0.9
+    sweeps: int = 15
+
+    def __post_init__(self) -> None:
+        for name in ("rounds", "candidates", "kept", "max_questions", "min_scenes", "sweeps"):
+            at_least(name, getattr(self, name), 1)
+        at_least("max_scenes", self.max_scenes, 2)
+        in_range("ridge", self.ridge, 0.0, 1e9, open_low=True)
+        in_range("trace", self.trace, 0.0, 1.0)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ForestSettings:
+    """How forests are learned, where the number of actions is limited.
+
+    Parameters
+    ----------
+    counts : int
+        Random conditions of an action type whose objects are counted, drawn anew in every iteration.
+    trees : int
+        Trees for each action type and each number of remaining actions.
+    min_leaf : int
+        Least number of transitions in a leaf.
+    share : float
+        Share of the features that are tried at a node, above 0 and at most 1.
+    """
+
+    counts: int = 150
+    trees: int = 30
+    min_leaf: int = 4
+    share: float = 1 / 3
+
+    def __post_init__(self) -> None:
+        at_least("counts", self.counts, 0)
+        at_least("trees", self.trees, 1)
+        at_least("min_leaf", self.min_leaf, 1)
+        in_range("share", self.share, 0.0, 1.0, open_low=True)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class QSettings:
+    """Options of ``smrf-q``; the same for every task.
+
+    Parameters
+    ----------
+    epsilon : float
+        Probability of a uniformly random action in training after the first iteration, 0 to 1.
+    max_samples : int
+        Most transitions that are learned from: those of the latest batches.
+    max_values : int
+        An attribute with at most so many different values is a category.
+    curves : CurveSettings
+    forests : ForestSettings
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    epsilon: float = 0.05
+    max_samples: int = 100_000
+    max_values: int = 6
+    curves: CurveSettings = field(default_factory=CurveSettings)
+    forests: ForestSettings = field(default_factory=ForestSettings)
+
+    def __post_init__(self) -> None:
+        in_range("epsilon", self.epsilon, 0.0, 1.0)
+        at_least("max_samples", self.max_samples, 1)
+        at_least("max_values", self.max_values, 0)
+        for name, cls in (("curves", CurveSettings), ("forests", ForestSettings)):
+            if not isinstance(getattr(self, name), cls):
+                raise InputError(f"{name} must be {cls.__name__}(...), got {getattr(self, name)!r}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the options as plain JSON values."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, document: object) -> QSettings:
+        """Read what `to_dict` returned.
+
+        Raises
+        ------
+        ModelFormatError
+            If an option is missing, unknown or out of its range.
+        """
+        return read_options(cls, document)
