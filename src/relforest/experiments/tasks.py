@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from pkgutil import resolve_name
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final
 
 from relforest.rl.settings import RPISettings
 from relforest.support.options import in_range, one_of
@@ -15,10 +15,8 @@ from relforest.support.options import in_range, one_of
 if TYPE_CHECKING:
     import gymnasium
     from matplotlib.figure import Figure
-
-Method: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
-METHODS: Final[tuple[Method, ...]] = get_args(Method)
-"""How to learn: SMRF-RPI; Sarsa on the tile coding of the benchmark, each keeper alone or all together."""
+MethodName: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
+"""A key of `relforest.experiments.methods.METHODS`."""
 
 
 @final
@@ -70,7 +68,7 @@ class Task:
     options: Mapping[str, Any] = field(default_factory=dict)
     settings: RPISettings = field(default_factory=RPISettings)
     optimum: float | None = None
-    pictures: Mapping[Method, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
+    pictures: Mapping[MethodName, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
 
     def make(self, discount: float | None = None) -> gymnasium.Env[Any, Any]:
         """Return a new environment, with a discount factor other than its own if one is given.
@@ -95,7 +93,7 @@ class Task:
 
 
 _PICTURES: Final = "relforest.experiments"
-_KEEPAWAY_PICTURES: Final[Mapping[Method, Picture]] = MappingProxyType(
+_KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
     {
         "smrf-rpi": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
         "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
