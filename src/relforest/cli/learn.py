@@ -43,7 +43,8 @@ class LearnOptions:
     Parameters
     ----------
     task
-        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-4v3 (on 25 m by 25 m),
+        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-25 (on 25 m by 25 m),
+        keepaway-4v3 (on 25 m by 25 m), keepaway-5v4 (on 30 m by 30 m), keepaway-6v5 (on 35 m by 35 m),
         high-towers or color-grouping (5 blocks).
     method
         Learner: smrf-rpi or, for keepaway, cmac-sarsa (each keeper learns alone, as in the benchmark) or
@@ -70,7 +71,18 @@ class LearnOptions:
     """
 
     task: Annotated[
-        Positional[Literal["corridor", "keepaway", "keepaway-4v3", "high-towers", "color-grouping"]],
+        Positional[
+            Literal[
+                "corridor",
+                "keepaway",
+                "keepaway-25",
+                "keepaway-4v3",
+                "keepaway-5v4",
+                "keepaway-6v5",
+                "high-towers",
+                "color-grouping",
+            ]
+        ],
         arg(metavar="TASK"),
     ]
     method: MethodName = "smrf-rpi"

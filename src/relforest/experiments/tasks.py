@@ -101,6 +101,12 @@ _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
     }
 )
 
+
+def _keepaway(name: str, keepers: int, takers: int, size: float) -> Task:
+    options = {"keepers": keepers, "takers": takers, "size": size}
+    return Task(name, "keepaway", options, pictures=_KEEPAWAY_PICTURES)
+
+
 TASKS: Final[Mapping[str, Task]] = MappingProxyType(
     {
         task.name: task
@@ -113,24 +119,22 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                     "smrf-rpi": Picture("q-function.png", f"{_PICTURES}.corridor_picture.q_function_picture")
                 },
             ),
-            Task(
-                "keepaway",
-                "keepaway",
-                options={"keepers": 3, "takers": 2, "size": 20.0},
-                pictures=_KEEPAWAY_PICTURES,
-            ),
-            Task(
-                "keepaway-4v3",
-                "keepaway",
-                options={"keepers": 4, "takers": 3, "size": 25.0},
-                pictures=_KEEPAWAY_PICTURES,
-            ),
+            _keepaway("keepaway", 3, 2, 20.0),
+            _keepaway("keepaway-25", 3, 2, 25.0),
+            _keepaway("keepaway-4v3", 4, 3, 25.0),
+            _keepaway("keepaway-5v4", 5, 4, 30.0),
+            _keepaway("keepaway-6v5", 6, 5, 35.0),
             Task("high-towers", "high-towers"),
             Task("color-grouping", "color-grouping"),
         )
     }
 )
-"""Name of a task -> the task."""
+"""Name of a task -> the task.
+
+Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by 25 m
+is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no larger
+teams: they get 5 m more for each further pair.
+"""
 
 
 def task_named(name: str) -> Task:
