@@ -78,7 +78,6 @@ def test_the_manifest_holds_everything_that_results_depend_on() -> None:
     assert sarsa["method"] == "cmac-sarsa"
     assert not {"features", "settings"} & set(sarsa)
     assert config.manifest(2).content == {**manifest.content, "run": 2}
-    assert config.settings.features == "bits"
 
 
 def test_as_many_test_episodes_as_training_episodes_are_the_default() -> None:
@@ -104,5 +103,5 @@ def test_options_of_the_learner_are_part_of_the_manifest() -> None:
 def test_features_are_those_asked_for_or_those_of_the_settings() -> None:
     config = RunConfig("corridor", rpi=RPISettings(features="bits"))
 
-    assert config.settings.features == "bits"
-    assert replace(config, features="probability").settings.features == "probability"
+    assert config.manifest().content["features"] == "bits"
+    assert replace(config, features="probability").manifest().content["features"] == "probability"

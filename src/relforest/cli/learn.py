@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Annotated, Any, Literal, final
 
 from tyro.conf import OmitArgPrefixes, Positional, arg
@@ -14,6 +15,8 @@ from tyro.conf import OmitArgPrefixes, Positional, arg
 from relforest.cli.early_checks import UsageError, option_name
 from relforest.cli.learner_options import RPIOptions, SarsaOptions, given
 from relforest.cli.progress import note, working
+from relforest.experiments.methods import METHODS
+from relforest.experiments.tasks import MethodName
 from relforest.support.progress import Stage
 
 if TYPE_CHECKING:
@@ -40,7 +43,8 @@ class LearnOptions:
     Parameters
     ----------
     task
-        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-4v3 (on 25 m by 25 m),
+        What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-25 (on 25 m by 25 m),
+        keepaway-4v3 (on 25 m by 25 m), keepaway-5v4 (on 30 m by 30 m), keepaway-6v5 (on 35 m by 35 m),
         high-towers or color-grouping (5 blocks).
     method
         Learner: smrf-rpi or, for keepaway, cmac-sarsa (each keeper learns alone, as in the benchmark) or
@@ -60,17 +64,28 @@ class LearnOptions:
         not depend on it.
     out
         Run folder.
-    smrf_rpi
+    rpi
         Only with --method smrf-rpi.
     sarsa
         Only with --method cmac-sarsa or cmac-sarsa-shared.
     """
 
     task: Annotated[
-        Positional[Literal["corridor", "keepaway", "keepaway-4v3", "high-towers", "color-grouping"]],
+        Positional[
+            Literal[
+                "corridor",
+                "keepaway",
+                "keepaway-25",
+                "keepaway-4v3",
+                "keepaway-5v4",
+                "keepaway-6v5",
+                "high-towers",
+                "color-grouping",
+            ]
+        ],
         arg(metavar="TASK"),
     ]
-    method: Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"] = "smrf-rpi"
+    method: MethodName = "smrf-rpi"
     episodes: int = 500
     iterations: int = 5
     runs: int = 1
@@ -80,7 +95,7 @@ class LearnOptions:
     seed: int = 0
     jobs: int = 1
     out: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/TASK)")] = None
-    smrf_rpi: OmitArgPrefixes[RPIOptions] = field(default_factory=RPIOptions)
+    rpi: OmitArgPrefixes[Annotated[RPIOptions, arg(name="smrf-rpi")]] = field(default_factory=RPIOptions)
     sarsa: OmitArgPrefixes[SarsaOptions] = field(default_factory=SarsaOptions)
 
 
@@ -124,12 +139,14 @@ def _config(options: LearnOptions) -> RunConfig:
     from relforest.experiments.run_config import RunConfig
     from relforest.experiments.tasks import task_named
 
-    is_relational = options.method == "smrf-rpi"
-    foreign = given(options.sarsa if is_relational else options.smrf_rpi)
-    if foreign:
-        name, owner = option_name(next(iter(foreign))), "Sarsa" if is_relational else "SMRF-RPI"
-        raise UsageError(f"{name} is an option of {owner}: leave it out with --method {options.method}")
-    task = task_named(options.task)
+    own = METHODS[options.method].settings
+    for owner in METHODS.values():
+        foreign = given(getattr(options, owner.settings)) if owner.settings != own else {}
+        for name in map(option_name, foreign):
+            raise UsageError(
+                f"{name} is an option of {owner.title}: leave it out with --method {options.method}"
+            )
+    task, chosen = task_named(options.task), getattr(options, own)
     if options.method not in task.pictures:
         raise UsageError(
             f"--method {options.method} is not for {task.name}: use {' or '.join(task.pictures)}"
@@ -142,30 +159,28 @@ def _config(options: LearnOptions) -> RunConfig:
         seed=options.seed,
         test_episodes=options.test_episodes,
         method=options.method,
-        rpi=options.smrf_rpi.settings(task.settings) if is_relational else None,
-        discount=options.smrf_rpi.discount,
-        sarsa=None if is_relational else options.sarsa.settings(),
+        **chosen.config(task),
     )
 
 
 def _iteration_line(config: RunConfig, run: int, row: dict[str, Any], seconds: dict[str, float]) -> str:
     name = f"run {run}, " if config.runs > 1 else ""
     time = f", {sum(seconds.values()):.1f} s" if seconds else ""
-    counts = f", {row['trees']} trees, {row['leaves']} leaves" if config.is_relational else ""
+    has_trees = METHODS[config.method].report is not None
+    counts = f", {row['trees']} trees, {row['leaves']} leaves" if has_trees else ""
     return f"{name}iteration {row['iteration']}: test reward {row['test_reward']:.3f}{counts}{time}"
 
 
 def _result(config: RunConfig, folders: list[Path]) -> str:
-    """Describe what was learned: all of a single run; of several, means and the trees of the first."""
-    from relforest.reports import run_report
+    """Describe what was learned: all of a single run; of several, means and the first."""
     from relforest.reports.run_report import averages_table, metrics_table
     from relforest.runs.learner import METRIC_NAMES
     from relforest.runs.store import metrics_of
 
-    # Only SMRF-RPI has trees and leaves.
-    has_trees = config.is_relational
-    names = METRIC_NAMES if has_trees else METRIC_NAMES[:3]
-    first = run_report(folders[0]) if has_trees else metrics_table(metrics_of(folders[0]), names)
+    report = METHODS[config.method].report
+    # Where nothing but rewards can be told, there are no trees and leaves.
+    names = METRIC_NAMES if report else METRIC_NAMES[:3]
+    first = resolve_name(report)(folders[0]) if report else metrics_table(metrics_of(folders[0]), names)
     if config.runs == 1:
         return first
     averages = averages_table([metrics_of(folder) for folder in folders], names)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Annotated, Any, Final, final
+from typing import TYPE_CHECKING, Annotated, Any, Final, final
 
 from tyro.conf import arg
 
@@ -13,6 +13,9 @@ from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.settings import FeatureMode, RPISettings
 from relforest.support.options import in_range
 from relforest.trees.settings import SearchName, Test
+
+if TYPE_CHECKING:
+    from relforest.experiments.tasks import Task
 
 
 def _default(value: object, metavar: str | None = None) -> Any:  # noqa: ANN401 - Tyro's annotation
@@ -86,6 +89,10 @@ class RPIOptions:
     attempts: Annotated[int | None, _default(_TREE.attempts)] = None
     max_points: Annotated[int | None, _default(_TREE.max_points)] = None
 
+    def config(self, task: Task) -> dict[str, Any]:
+        """Return them as options of `RunConfig`, for a task; see `settings`."""
+        return {"rpi": self.settings(task.settings), "discount": self.discount}
+
     def settings(self, base: RPISettings) -> RPISettings:
         """Return the settings with the given options.
 
@@ -151,6 +158,10 @@ class SarsaOptions:
     sarsa_gamma: Annotated[float | None, _default(_SARSA.gamma)] = None
     sarsa_epsilon: Annotated[float | None, _default(_SARSA.epsilon)] = None
     sarsa_lambda: Annotated[float | None, _default(_SARSA.trace_decay)] = None
+
+    def config(self, task: Task) -> dict[str, Any]:  # noqa: ARG002 - of every method
+        """Return them as options of `RunConfig`; see `settings`."""
+        return {"sarsa": self.settings()}
 
     def settings(self) -> SarsaSettings:
         """Return the settings of the benchmark with the given options.

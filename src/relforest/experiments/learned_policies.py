@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.keepaway_team import Team
-from relforest.experiments.sarsa import is_run_of_sarsa, trained_team
+from relforest.experiments.methods import METHODS
+from relforest.experiments.sarsa import trained_team
 from relforest.rl.baselines import TileCoding
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.value import ValueFunction
-from relforest.runs.store import CHECKPOINT
+from relforest.runs.store import CHECKPOINT, read_checkpoint
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.worlds.keepaway.decisions.variables import n_variables
@@ -79,9 +81,10 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
         If a file in it is damaged.
     """
     if (folder / CHECKPOINT).exists():
-        if is_run_of_sarsa(folder):
-            return _team_policy(folder, env.unwrapped)
-        return AgentPolicy(SMRFRPI.load(folder, env).value_)
+        document = read_checkpoint(folder).document
+        made = (method.policy for method in METHODS.values() if method.mark in document)
+        policy: TeamPolicy | AgentPolicy = resolve_name(next(made, METHODS["smrf-rpi"].policy))(folder, env)
+        return policy
     if (folder / "run-00").is_dir():
         raise InputError(
             f"{folder} contains several runs: give the folder of one, such as {folder / 'run-00'}"
@@ -89,8 +92,14 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     raise InputError(f"{folder} is not a run: give a folder of 'relforest learn'")
 
 
-def _team_policy(folder: Path, world: object) -> TeamPolicy:
-    team = trained_team(folder)
+def agent_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
+    """Return what SMRF-RPI has learned; see `learned_policy`."""
+    return AgentPolicy(SMRFRPI.load(folder, env).value_)
+
+
+def team_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy:
+    """Return what Sarsa has learned; see `learned_policy`."""
+    team, world = trained_team(folder), env.unwrapped
     if not isinstance(world, KeepawayEnv):
         raise InputError(f"{folder} was learned by Sarsa, which plays keepaway only: play keepaway")
     keepers, takers = world.setup.keepers, world.setup.takers

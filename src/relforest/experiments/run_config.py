@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
-from relforest.experiments.tasks import METHODS, Method, Task, task_named
+from relforest.experiments.methods import METHODS
+from relforest.experiments.tasks import MethodName, Task, task_named
 from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.settings import FEATURE_MODES, FeatureMode, RPISettings
 from relforest.runs.manifest import Manifest
@@ -45,7 +46,7 @@ class RunConfig:
     features : {"densities+bits", "bits", "probability"}, optional
         What a tree contributes to the features, for SMRF-RPI. Default: as in `rpi`.
     method : {"smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"}
-        How to learn, see `relforest.experiments.tasks.METHODS`.
+        How to learn, see `relforest.experiments.methods.METHODS`.
     rpi : RPISettings, optional
         Options of SMRF-RPI. Default: those of the task.
     discount : float, optional
@@ -67,7 +68,7 @@ class RunConfig:
     seed: int = 0
     test_episodes: int | None = None
     features: FeatureMode | None = None
-    method: Method = "smrf-rpi"
+    method: MethodName = "smrf-rpi"
     rpi: RPISettings | None = None
     discount: float | None = None
     sarsa: SarsaSettings | None = None
@@ -86,10 +87,10 @@ class RunConfig:
         for name, expected in (("rpi", RPISettings), ("sarsa", SarsaSettings)):
             if not isinstance(getattr(self, name), expected | None):
                 raise InputError(f"{name} must be {expected.__name__}(...), got {getattr(self, name)!r}")
-        one_of("method", self.method, METHODS)
+        one_of("method", self.method, tuple(METHODS))
         one_of(f"the method for {self.task}", self.method, tuple(self.definition.pictures))
-        foreign = ("sarsa",) if self.is_relational else ("features", "rpi", "discount")
-        for name in foreign:
+        every = {name for method in METHODS.values() for name in method.options}
+        for name in sorted(every - self.options.keys()):
             if getattr(self, name) is not None:
                 raise InputError(f"{name} is not an option of {self.method}: leave it out")
 
@@ -99,20 +100,9 @@ class RunConfig:
         return task_named(self.task)
 
     @property
-    def is_relational(self) -> bool:
-        """Whether trees are learned, by SMRF-RPI."""
-        return self.method == "smrf-rpi"
-
-    @property
-    def is_shared(self) -> bool:
-        """Whether all agents of a team learn from everyone's experience."""
-        return self.method == "cmac-sarsa-shared"
-
-    @property
-    def settings(self) -> RPISettings:
-        """Options of SMRF-RPI: those asked for, or those of the task."""
-        settings = self.definition.settings if self.rpi is None else self.rpi
-        return settings if self.features is None else replace(settings, features=self.features)
+    def options(self) -> dict[str, Any]:
+        """The options that belong to the method."""
+        return {name: getattr(self, name) for name in METHODS[self.method].options}
 
     @property
     def tests(self) -> int:
@@ -125,23 +115,8 @@ class RunConfig:
 
     def learner(self, run: int, *, n_jobs: int = 1) -> Learner[Any]:
         """Return what learns one of the runs; `n_jobs` candidate trees at the same time."""
-        seed = stream(seed_sequence(self.seed), run)
-        # Importing these takes long, and checking options does not need them.
-        if self.is_relational:
-            from relforest.rl.learner import RPILearner  # noqa: PLC0415
-
-            return RPILearner(self.make(), self.settings, seed, self.episodes, self.tests, n_jobs)
-        from relforest.experiments.sarsa import SarsaLearner  # noqa: PLC0415
-        from relforest.worlds.keepaway.server.options import KeepawayOptions  # noqa: PLC0415
-
-        return SarsaLearner(
-            KeepawayOptions(**self.definition.options),
-            self.sarsa or SarsaSettings(),
-            self.is_shared,
-            seed,
-            self.episodes,
-            self.tests,
-        )
+        seed, episodes = stream(seed_sequence(self.seed), run), (self.episodes, self.tests)
+        return METHODS[self.method].make(self.definition, self.options, episodes, seed, n_jobs)
 
     def folders(self, out: Path) -> list[Path]:
         """Return the folder of each run: `out` itself for a single one, else ``out/run-00`` and so on."""
@@ -157,15 +132,8 @@ class RunConfig:
             "iterations": self.iterations,
             "runs": self.runs,
             "seed": self.seed,
+            **METHODS[self.method].manifest(self.definition, self.options),
         }
-        if self.is_relational:
-            settings = self.settings.to_dict()
-            content |= {"features": settings.pop("features"), "settings": settings}
-        # Only where they differ from the default, because older runs do not name them.
-        if self.discount is not None:
-            content["discount"] = float(self.discount)
-        if self.sarsa not in (None, SarsaSettings()):
-            content["sarsa"] = self.sarsa.to_dict()
         if run is not None and self.runs > 1:
             content["run"] = run
         return Manifest(RUN, FORMAT, content, growing="iterations")

@@ -140,8 +140,3 @@ def trained_team(folder: Path) -> Team:
         if name != f"model-{checkpoint.iteration:04d}":
             raise ModelFormatError("its checkpoint does not name the team of its iteration")
     return read_team(folder / name, learn=False)
-
-
-def is_run_of_sarsa(folder: Path) -> bool:
-    """Return whether the checkpoint in a folder is one of Sarsa."""
-    return _TEAM in read_checkpoint(folder).document

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from pkgutil import resolve_name
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final
 
 from relforest.rl.settings import RPISettings
 from relforest.support.options import in_range, one_of
@@ -15,10 +15,8 @@ from relforest.support.options import in_range, one_of
 if TYPE_CHECKING:
     import gymnasium
     from matplotlib.figure import Figure
-
-Method: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
-METHODS: Final[tuple[Method, ...]] = get_args(Method)
-"""How to learn: SMRF-RPI; Sarsa on the tile coding of the benchmark, each keeper alone or all together."""
+MethodName: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
+"""A key of `relforest.experiments.methods.METHODS`."""
 
 
 @final
@@ -70,7 +68,7 @@ class Task:
     options: Mapping[str, Any] = field(default_factory=dict)
     settings: RPISettings = field(default_factory=RPISettings)
     optimum: float | None = None
-    pictures: Mapping[Method, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
+    pictures: Mapping[MethodName, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
 
     def make(self, discount: float | None = None) -> gymnasium.Env[Any, Any]:
         """Return a new environment, with a discount factor other than its own if one is given.
@@ -95,13 +93,19 @@ class Task:
 
 
 _PICTURES: Final = "relforest.experiments"
-_KEEPAWAY_PICTURES: Final[Mapping[Method, Picture]] = MappingProxyType(
+_KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
     {
         "smrf-rpi": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
         "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
         "cmac-sarsa-shared": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
     }
 )
+
+
+def _keepaway(name: str, keepers: int, takers: int, size: float) -> Task:
+    options = {"keepers": keepers, "takers": takers, "size": size}
+    return Task(name, "keepaway", options, pictures=_KEEPAWAY_PICTURES)
+
 
 TASKS: Final[Mapping[str, Task]] = MappingProxyType(
     {
@@ -115,24 +119,22 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                     "smrf-rpi": Picture("q-function.png", f"{_PICTURES}.corridor_picture.q_function_picture")
                 },
             ),
-            Task(
-                "keepaway",
-                "keepaway",
-                options={"keepers": 3, "takers": 2, "size": 20.0},
-                pictures=_KEEPAWAY_PICTURES,
-            ),
-            Task(
-                "keepaway-4v3",
-                "keepaway",
-                options={"keepers": 4, "takers": 3, "size": 25.0},
-                pictures=_KEEPAWAY_PICTURES,
-            ),
+            _keepaway("keepaway", 3, 2, 20.0),
+            _keepaway("keepaway-25", 3, 2, 25.0),
+            _keepaway("keepaway-4v3", 4, 3, 25.0),
+            _keepaway("keepaway-5v4", 5, 4, 30.0),
+            _keepaway("keepaway-6v5", 6, 5, 35.0),
             Task("high-towers", "high-towers"),
             Task("color-grouping", "color-grouping"),
         )
     }
 )
-"""Name of a task -> the task."""
+"""Name of a task -> the task.
+
+Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by 25 m
+is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no larger
+teams: they get 5 m more for each further pair.
+"""
 
 
 def task_named(name: str) -> Task:

@@ -1,0 +1,142 @@
+"""How an agent can learn: the methods of ``relforest learn``, a row each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+
+from relforest.experiments.tasks import MethodName, Task
+from relforest.rl.baselines.settings import SarsaSettings
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from relforest.rl.settings import RPISettings
+    from relforest.runs.learner import Learner
+
+Options: TypeAlias = Mapping[str, Any]
+"""The options of `relforest.experiments.run_config.RunConfig` that belong to a method; None = the default."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Method:
+    """A learner: everything that the rest of ``relforest learn`` must know of it.
+
+    The functions are named by module and function and imported when they are called.
+
+    Parameters
+    ----------
+    title : str
+        Its name in messages.
+    settings : str
+        Where `relforest.experiments.run_config.RunConfig` and the command line have its settings.
+    others : tuple of str
+        Further options of `RunConfig` that belong to it.
+    make : callable
+        Turns a task, options, the numbers of training and test episodes per iteration, the seed of a run and
+        a number of threads into the learner.
+    manifest : callable
+        Turns a task and options into what ``run.json`` says of them.
+    report : str, optional
+        The function that tells what the folder of a run holds. Without one, there are only rewards to tell.
+    policy : str
+        The function that turns the folder of a run and an environment into a policy.
+    mark : str
+        The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`.
+    """
+
+    title: str
+    settings: str
+    others: tuple[str, ...]
+    make: Callable[[Task, Options, tuple[int, int], np.random.SeedSequence, int], Learner[Any]]
+    manifest: Callable[[Task, Options], dict[str, Any]]
+    report: str | None
+    policy: str
+    mark: str
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The options of `RunConfig` that belong to it."""
+        return (self.settings, *self.others)
+
+
+# Importing learners takes long, and checking options does not need them.
+# ruff: noqa: PLC0415
+
+
+def _rpi_learner(
+    task: Task, options: Options, episodes: tuple[int, int], seed: np.random.SeedSequence, n_jobs: int
+) -> Learner[Any]:
+    from relforest.rl.learner import RPILearner
+
+    return RPILearner(task.make(options["discount"]), _rpi_settings(task, options), seed, *episodes, n_jobs)
+
+
+def _rpi_manifest(task: Task, options: Options) -> dict[str, Any]:
+    settings = _rpi_settings(task, options).to_dict()
+    # Older runs name no discount.
+    discount = {} if options["discount"] is None else {"discount": float(options["discount"])}
+    return {"features": settings.pop("features"), "settings": settings, **discount}
+
+
+def _rpi_settings(task: Task, options: Options) -> RPISettings:
+    settings: RPISettings = options["rpi"] or task.settings
+    return replace(settings, features=options["features"] or settings.features)
+
+
+def _sarsa_learner(
+    task: Task,
+    options: Options,
+    episodes: tuple[int, int],
+    seed: np.random.SeedSequence,
+    n_jobs: int,  # noqa: ARG001 - of every learner
+    *,
+    shared: bool,
+) -> Learner[Any]:
+    from relforest.experiments.sarsa import SarsaLearner
+    from relforest.worlds.keepaway.server.options import KeepawayOptions
+
+    rules = KeepawayOptions(**task.options)
+    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes)
+
+
+def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
+    # Older runs name no options of Sarsa.
+    sarsa: SarsaSettings | None = options["sarsa"]
+    return {} if sarsa in (None, SarsaSettings()) else {"sarsa": sarsa.to_dict()}
+
+
+def _sarsa(*, shared: bool) -> Method:
+    return Method(
+        "Sarsa",
+        "sarsa",
+        (),
+        partial(_sarsa_learner, shared=shared),
+        _sarsa_manifest,
+        None,
+        "relforest.experiments.learned_policies.team_policy",
+        "team",
+    )
+
+
+METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
+    {
+        "smrf-rpi": Method(
+            "SMRF-RPI",
+            "rpi",
+            ("features", "discount"),
+            _rpi_learner,
+            _rpi_manifest,
+            "relforest.reports.run_report.run_report",
+            "relforest.experiments.learned_policies.agent_policy",
+            "policy",
+        ),
+        "cmac-sarsa": _sarsa(shared=False),
+        "cmac-sarsa-shared": _sarsa(shared=True),
+    }
+)
+"""Name of a method -> SMRF-RPI; Sarsa on the benchmark's tile coding, each keeper alone or all together."""
