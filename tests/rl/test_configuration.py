@@ -9,7 +9,6 @@ import pytest
 
 from relforest.rl.configuration import check_world, describe_run, restore_run
 from relforest.rl.settings import RPISettings
-from relforest.rl.value import ValueFunction
 from relforest.runs.manifest import differences
 from relforest.scenes import Attribute, Schema
 from relforest.support.errors import InputError, ModelFormatError
@@ -30,7 +29,7 @@ HERE = Path("runs/one")
     ],
 )
 def test_seed_and_settings_survive_json(seed: np.random.SeedSequence) -> None:
-    document = json.loads(json.dumps(describe_run(CorridorEnv(), RPISettings(), seed, (500, 10))))
+    document = json.loads(json.dumps(describe_run(CorridorEnv(), RPISettings().to_dict(), seed, (500, 10))))
     restored, settings, episodes = restore_run(document, HERE)
     assert restored.generate_state(4).tolist() == seed.generate_state(4).tolist()
     assert settings == RPISettings()
@@ -40,7 +39,9 @@ def test_seed_and_settings_survive_json(seed: np.random.SeedSequence) -> None:
 def test_the_options_of_an_environment_belong_to_the_configuration() -> None:
     seed = np.random.SeedSequence(0)
     one, other = (
-        describe_run(gymnasium.make("relforest/Corridor-v0", noise=noise), RPISettings(), seed, (5, 5))
+        describe_run(
+            gymnasium.make("relforest/Corridor-v0", noise=noise), RPISettings().to_dict(), seed, (5, 5)
+        )
         for noise in (0.05, 0.1)
     )
     assert differences(one, other) == ["world.options.noise (0.05 there, 0.1 here)"]
@@ -63,16 +64,14 @@ def test_damaged_configurations_are_refused(document: dict[str, object]) -> None
 
 
 def test_agents_fit_worlds_with_other_numbers_of_objects() -> None:
-    check_world(ValueFunction.zero(SCHEMA, ACTION_TYPES, "bits"), Picking(things=9))
+    check_world(SCHEMA, ACTION_TYPES, Picking(things=9))
 
 
 def test_agents_do_not_fit_other_action_types() -> None:
-    value = ValueFunction.zero(SCHEMA, ACTION_TYPES, "bits")
     with pytest.raises(InputError, match=r"knows the action types \['wait', 'pick'\], but CorridorEnv has"):
-        check_world(value, CorridorEnv())
+        check_world(SCHEMA, ACTION_TYPES, CorridorEnv())
 
 
 def test_agents_do_not_fit_other_attributes() -> None:
-    value = ValueFunction.zero(Schema((Attribute("weight"),)), ACTION_TYPES, "bits")
     with pytest.raises(InputError, match=r"trained on objects with .*weight.*, but Picking has .*location"):
-        check_world(value, Picking())
+        check_world(Schema((Attribute("weight"),)), ACTION_TYPES, Picking())

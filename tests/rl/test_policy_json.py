@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from relforest.rl.learner import Knowledge, RPILearner
-from relforest.rl.policy_json import POLICY, read_policy, slugs, tree_name
+from relforest.rl.policy_json import POLICY, slugs, tree_name
+from relforest.rl.saved_policy import read_policy
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
 from relforest.runs.learner import Run
@@ -47,6 +48,7 @@ def actions_of(folder: Path) -> list[dict[str, Any]]:
 
 def test_a_policy_survives_its_files(folder: Path) -> None:
     found, expected = read_policy(folder), a_policy()
+    assert isinstance(found, ValueFunction)
     assert (found.schema, found.action_types, found.features) == (SCHEMA, ACTION_TYPES, "densities+bits")
     for ours, theirs in zip(found.weights, expected.weights, strict=True):
         np.testing.assert_array_equal(ours, theirs)

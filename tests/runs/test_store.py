@@ -12,9 +12,11 @@ import pytest
 
 from interpreted import compiled_only
 from relforest.rl.experience import COLUMNS
-from relforest.rl.policy_json import POLICY, TREES, WEIGHTS, read_policy
+from relforest.rl.policy_json import POLICY, TREES, WEIGHTS
 from relforest.rl.rpi import SMRFRPI
+from relforest.rl.saved_policy import read_policy
 from relforest.rl.settings import RPISettings
+from relforest.rl.value import ValueFunction
 from relforest.runs.store import CHECKPOINT, METRICS, TIMINGS
 from relforest.support import files
 from relforest.support.errors import ModelFormatError, RunFolderError
@@ -60,7 +62,9 @@ def test_the_files_of_a_run(finished: Path) -> None:
     assert {CHECKPOINT, METRICS, POLICY, WEIGHTS} <= names
     assert {f"{EXPERIENCE}/iteration-000{number}.npz" for number in (1, 2)} <= names
     assert f"{TREES}/0001-left-1.json" in names or f"{TREES}/0001-right-1.json" in names
-    assert read_policy(finished).n_trees == sum(name.startswith(f"{TREES}/") for name in names)
+    value = read_policy(finished)
+    assert isinstance(value, ValueFunction)
+    assert value.n_trees == sum(name.startswith(f"{TREES}/") for name in names)
 
 
 def test_metrics_are_lines_of_json(finished: Path) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, final
 from tyro.conf import OmitArgPrefixes, Positional, arg
 
 from relforest.cli.early_checks import UsageError, option_name
-from relforest.cli.learner_options import RPIOptions, SarsaOptions, given
+from relforest.cli.learner_options import QOptions, RPIOptions, SarsaOptions, given
 from relforest.cli.progress import note, working
 from relforest.experiments.methods import METHODS
 from relforest.experiments.tasks import MethodName
@@ -29,15 +29,17 @@ class LearnOptions:
     """Learn a policy for a world.
 
     In every iteration, SMRF-RPI plays episodes, learns trees that explain the Bellman error, and learns a
-    policy with the trees as features. Sarsa with tile coding, the learner of the keepaway benchmark, learns
-    during the episodes. The run folder receives metrics.jsonl (a line per iteration, the first one before
-    learning), trees/*.json, policy.json, reward.png, and q-function.png (corridor) or policy-map.png
-    (keepaway). Run the same command again to resume an interrupted run, with the same result; more iterations
-    extend a finished one.
+    policy with the trees as features. smrf-q needs fewer episodes: it learns values as a sum of what
+    relational questions add or, where the number of actions is limited, by forests. Sarsa with tile coding,
+    the learner of the keepaway benchmark, learns during the episodes. The run folder receives metrics.jsonl
+    (a line per iteration, the first one before learning), trees/*.json (SMRF-RPI), policy.json, reward.png,
+    and q-function.png (corridor, SMRF-RPI) or policy-map.png (keepaway). Run the same command again to
+    resume an interrupted run, with the same result; more iterations extend a finished one.
 
     For example:
       relforest learn corridor
       relforest learn corridor --episodes 500 --iterations 5 --runs 30 --jobs 2 --seed 0 --out runs/corridor
+      relforest learn keepaway --method smrf-q --episodes 100 --iterations 5 --test-episodes 300
       relforest learn keepaway --method cmac-sarsa --episodes 500 --iterations 10
 
     Parameters
@@ -47,8 +49,8 @@ class LearnOptions:
         keepaway-4v3 (on 25 m by 25 m), keepaway-5v4 (on 30 m by 30 m), keepaway-6v5 (on 35 m by 35 m),
         high-towers or color-grouping (5 blocks).
     method
-        Learner: smrf-rpi or, for keepaway, cmac-sarsa (each keeper learns alone, as in the benchmark) or
-        cmac-sarsa-shared (all learn from everyone's experience).
+        Learner: smrf-rpi, smrf-q or, for keepaway, cmac-sarsa (each keeper learns alone, as in the
+        benchmark) or cmac-sarsa-shared (all learn from everyone's experience).
     episodes
         Training episodes per iteration.
     iterations
@@ -66,6 +68,8 @@ class LearnOptions:
         Run folder.
     rpi
         Only with --method smrf-rpi.
+    q
+        Only with --method smrf-q.
     sarsa
         Only with --method cmac-sarsa or cmac-sarsa-shared.
     """
@@ -96,6 +100,7 @@ class LearnOptions:
     jobs: int = 1
     out: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/TASK)")] = None
     rpi: OmitArgPrefixes[Annotated[RPIOptions, arg(name="smrf-rpi")]] = field(default_factory=RPIOptions)
+    q: OmitArgPrefixes[Annotated[QOptions, arg(name="smrf-q")]] = field(default_factory=QOptions)
     sarsa: OmitArgPrefixes[SarsaOptions] = field(default_factory=SarsaOptions)
 
 

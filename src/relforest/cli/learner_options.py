@@ -10,6 +10,7 @@ from tyro.conf import arg
 
 from relforest.cli.early_checks import naming_options
 from relforest.rl.baselines.settings import SarsaSettings
+from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings
 from relforest.rl.settings import FeatureMode, RPISettings
 from relforest.support.options import in_range
 from relforest.trees.settings import SearchName, Test
@@ -26,6 +27,7 @@ def _default(value: object, metavar: str | None = None) -> Any:  # noqa: ANN401 
 _RPI: Final = RPISettings()
 _TREE: Final = _RPI.tree
 _SARSA: Final = SarsaSettings()
+_Q: Final = QSettings()
 
 
 @final
@@ -180,7 +182,61 @@ class SarsaOptions:
         return settings
 
 
-def given(options: RPIOptions | SarsaOptions) -> dict[str, Any]:
+@final
+@dataclass(frozen=True, slots=True)
+class QOptions:
+    """Options of --method smrf-q.
+
+    Parameters
+    ----------
+    q_discount
+        Discount factor per unit of time.
+    q_epsilon
+        Probability of a random action in training after the first iteration.
+    q_max_samples
+        Maximum number of transitions that are learned from, those of the latest iterations.
+    q_max_questions
+        Maximum number of questions per action type, where the number of actions is unlimited.
+    q_ridge
+        Penalty on the weights of the questions.
+    q_counts
+        Conditions per action type whose objects are counted, where the number of actions is limited.
+    q_trees
+        Trees per action type and number of remaining actions there.
+    """
+
+    q_discount: Annotated[float | None, _default(Q_DISCOUNT)] = None
+    q_epsilon: Annotated[float | None, _default(_Q.epsilon)] = None
+    q_max_samples: Annotated[int | None, _default(_Q.max_samples)] = None
+    q_max_questions: Annotated[int | None, _default(_Q.curves.max_questions)] = None
+    q_ridge: Annotated[float | None, _default(_Q.curves.ridge)] = None
+    q_counts: Annotated[int | None, _default(_Q.forests.counts)] = None
+    q_trees: Annotated[int | None, _default(_Q.forests.trees)] = None
+
+    def config(self, task: Task) -> dict[str, Any]:  # noqa: ARG002 - of every method
+        """Return them as options of `RunConfig`.
+
+        Raises
+        ------
+        UsageError
+            If one is out of its range.
+        """
+        values = given(self)
+        discount = values.pop("q_discount", None)
+        if discount is not None:
+            with naming_options((), discount="q_discount"):
+                in_range("discount", discount, 0.0, 1.0)
+        parts: dict[str, Any] = {"": QSettings(), "curves": _Q.curves, "forests": _Q.forests}
+        for option, value in values.items():
+            name = option.removeprefix("q_")
+            place = next(place for place, part in parts.items() if hasattr(part, name))
+            with naming_options((), **{name: option}):
+                parts[place] = replace(parts[place], **{name: value})
+        settings = replace(parts[""], curves=parts["curves"], forests=parts["forests"])
+        return {"q": settings, "discount": discount}
+
+
+def given(options: RPIOptions | SarsaOptions | QOptions) -> dict[str, Any]:
     """Return the given options by name."""
     values = {entry.name: getattr(options, entry.name) for entry in fields(options)}
     return {name: value for name, value in values.items() if value is not None and value is not False}

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from relforest.experiments.sarsa import trained_team
 from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
+from relforest.rl.fitted.value import QValue
 from relforest.rl.rollout import Environment
-from relforest.rl.rpi import SMRFRPI
+from relforest.rl.saved_policy import read_policy
+from relforest.runs.store import read_checkpoint
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.worlds.keepaway.decisions.scene import decision, describe, objects
@@ -38,15 +40,15 @@ _HOLDERS: Final = {"ball in a corner": (-0.7, 0.7), "ball in the centre": (0.0, 
 
 
 def agent_policy_map(folder: Path, env: Environment) -> Figure:
-    """Draw what an SMRF-RPI agent of keepaway prefers."""
-    agent = SMRFRPI.load(folder, env)
-    setup = _setup(env)
+    """Draw what a relational policy of keepaway prefers."""
+    value, checkpoint, setup = read_policy(folder), read_checkpoint(folder), _setup(env)
 
     def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
         seen = (scene_decision(players, setup.keepers, _ACTOR) for players in states)
-        return np.array([agent.value_.values(decision) for decision in seen])
+        return np.array([value.values(decision) for decision in seen])
 
-    return _figure(setup, evaluate, f"SMRF-RPI after {len(agent.experience_)} iterations")
+    name = "smrf-q" if isinstance(value, QValue) else "SMRF-RPI"
+    return _figure(setup, evaluate, f"{name} after {checkpoint.iteration} iterations")
 
 
 def team_policy_map(folder: Path, env: Environment) -> Figure:

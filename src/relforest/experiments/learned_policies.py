@@ -14,9 +14,9 @@ from relforest.experiments.keepaway_team import Team
 from relforest.experiments.methods import METHODS
 from relforest.experiments.sarsa import trained_team
 from relforest.rl.baselines import TileCoding
+from relforest.rl.configuration import check_world
 from relforest.rl.policy import GreedyPolicy
-from relforest.rl.rpi import SMRFRPI
-from relforest.rl.value import ValueFunction
+from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.runs.store import CHECKPOINT, read_checkpoint
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
@@ -49,9 +49,9 @@ class TeamPolicy:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class AgentPolicy:
-    """What SMRF-RPI has learned, whatever the number of objects."""
+    """What a relational learner has learned, whatever the number of objects."""
 
-    value: ValueFunction
+    value: AnyValue
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
@@ -70,8 +70,8 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     folder : path
         Of a single run.
     env : gymnasium.Env
-        The world to play in. Sarsa plays keepaway, with as many players as it was learned with; SMRF-RPI
-        plays any world with the attributes and action types that it was learned with.
+        The world to play in. Sarsa plays keepaway, with as many players as it was learned with; relational
+        policies play any world with the attributes and action types that it was learned with.
 
     Raises
     ------
@@ -93,8 +93,10 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
 
 
 def agent_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
-    """Return what SMRF-RPI has learned; see `learned_policy`."""
-    return AgentPolicy(SMRFRPI.load(folder, env).value_)
+    """Return what a relational learner has learned; see `learned_policy`."""
+    value = read_policy(folder)
+    check_world(value.schema, value.action_types, env)
+    return AgentPolicy(value)
 
 
 def team_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy:

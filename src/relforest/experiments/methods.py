@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
 from relforest.experiments.tasks import MethodName, Task
 from relforest.rl.baselines.settings import SarsaSettings
+from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings
 
 if TYPE_CHECKING:
     import numpy as np
@@ -88,6 +89,24 @@ def _rpi_settings(task: Task, options: Options) -> RPISettings:
     return replace(settings, features=options["features"] or settings.features)
 
 
+def _q_learner(
+    task: Task,
+    options: Options,
+    episodes: tuple[int, int],
+    seed: np.random.SeedSequence,
+    n_jobs: int,  # noqa: ARG001 - of every learner
+) -> Learner[Any]:
+    from relforest.rl.fitted.learner import QLearner
+
+    env = task.make(Q_DISCOUNT if options["discount"] is None else options["discount"])
+    return QLearner(env, options["q"] or QSettings(), seed, *episodes)
+
+
+def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
+    discount = Q_DISCOUNT if options["discount"] is None else float(options["discount"])
+    return {"settings": (options["q"] or QSettings()).to_dict(), "discount": discount}
+
+
 def _sarsa_learner(
     task: Task,
     options: Options,
@@ -135,8 +154,19 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
             "relforest.experiments.learned_policies.agent_policy",
             "policy",
         ),
+        "smrf-q": Method(
+            "smrf-q",
+            "q",
+            ("discount",),
+            _q_learner,
+            _q_manifest,
+            "relforest.reports.question_report.question_report",
+            "relforest.experiments.learned_policies.agent_policy",
+            "fitted",
+        ),
         "cmac-sarsa": _sarsa(shared=False),
         "cmac-sarsa-shared": _sarsa(shared=True),
     }
 )
-"""Name of a method -> SMRF-RPI; Sarsa on the benchmark's tile coding, each keeper alone or all together."""
+"""Name of a method -> SMRF-RPI; fitted Q on relational questions; Sarsa on the benchmark's tile coding, each
+keeper alone or all together."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 from relforest.experiments.methods import METHODS
 from relforest.experiments.tasks import MethodName, Task, task_named
 from relforest.rl.baselines.settings import SarsaSettings
+from relforest.rl.fitted.settings import QSettings
 from relforest.rl.settings import FEATURE_MODES, FeatureMode, RPISettings
 from relforest.runs.manifest import Manifest
 from relforest.support.errors import InputError
@@ -50,9 +51,11 @@ class RunConfig:
     rpi : RPISettings, optional
         Options of SMRF-RPI. Default: those of the task.
     discount : float, optional
-        Discount factor of the world, 0 to 1, for SMRF-RPI. Default: the world's own.
+        Discount factor of the world, 0 to 1. Default: the world's own for SMRF-RPI, `Q_DISCOUNT` for smrf-q.
     sarsa : SarsaSettings, optional
         Options of Sarsa. Default: those of the keepaway benchmark.
+    q : QSettings, optional
+        Options of smrf-q.
 
     Raises
     ------
@@ -72,6 +75,7 @@ class RunConfig:
     rpi: RPISettings | None = None
     discount: float | None = None
     sarsa: SarsaSettings | None = None
+    q: QSettings | None = None
 
     def __post_init__(self) -> None:
         task_named(self.task)
@@ -84,7 +88,7 @@ class RunConfig:
             one_of("features", self.features, FEATURE_MODES)
         if self.discount is not None:
             in_range("discount", self.discount, 0.0, 1.0)
-        for name, expected in (("rpi", RPISettings), ("sarsa", SarsaSettings)):
+        for name, expected in (("rpi", RPISettings), ("sarsa", SarsaSettings), ("q", QSettings)):
             if not isinstance(getattr(self, name), expected | None):
                 raise InputError(f"{name} must be {expected.__name__}(...), got {getattr(self, name)!r}")
         one_of("method", self.method, tuple(METHODS))

@@ -15,7 +15,7 @@ from relforest.support.options import in_range, one_of
 if TYPE_CHECKING:
     import gymnasium
     from matplotlib.figure import Figure
-MethodName: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
+MethodName: TypeAlias = Literal["smrf-rpi", "smrf-q", "cmac-sarsa", "cmac-sarsa-shared"]
 """A key of `relforest.experiments.methods.METHODS`."""
 
 
@@ -68,7 +68,9 @@ class Task:
     options: Mapping[str, Any] = field(default_factory=dict)
     settings: RPISettings = field(default_factory=RPISettings)
     optimum: float | None = None
-    pictures: Mapping[MethodName, Picture | None] = field(default_factory=lambda: {"smrf-rpi": None})
+    pictures: Mapping[MethodName, Picture | None] = field(
+        default_factory=lambda: {"smrf-rpi": None, "smrf-q": None}
+    )
 
     def make(self, discount: float | None = None) -> gymnasium.Env[Any, Any]:
         """Return a new environment, with a discount factor other than its own if one is given.
@@ -96,6 +98,7 @@ _PICTURES: Final = "relforest.experiments"
 _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
     {
         "smrf-rpi": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
+        "smrf-q": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
         "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
         "cmac-sarsa-shared": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
     }
@@ -116,7 +119,8 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                 "corridor",
                 optimum=8.69,
                 pictures={
-                    "smrf-rpi": Picture("q-function.png", f"{_PICTURES}.corridor_picture.q_function_picture")
+                    "smrf-rpi": Picture("q-function.png", f"{_PICTURES}.corridor_picture.q_function_picture"),
+                    "smrf-q": None,
                 },
             ),
             _keepaway("keepaway", 3, 2, 20.0),
@@ -131,9 +135,9 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
 )
 """Name of a task -> the task.
 
-Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by 25 m
-is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no larger
-teams: they get 5 m more for each further pair.
+Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by
+25 m is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no
+larger teams: they get 5 m more for each further pair.
 """
 
 

@@ -13,8 +13,8 @@ from relforest.models.training_data import TrainingData
 from relforest.models.volume_file import FORMAT as VOLUME_FORMAT
 from relforest.models.volume_file import VERSION as VOLUME_VERSION
 from relforest.models.volume_file import classifier_of, write_volume
-from relforest.rl import SMRFRPI, ValueFunction
-from relforest.rl.policy_json import read_policy
+from relforest.rl import SMRFRPI
+from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.support.errors import InputError
 from relforest.support.files import read_json
 from relforest.trees.tree import FORMAT as TREE_FORMAT
@@ -57,7 +57,7 @@ def save(
         write_model(Path(path), learned if isinstance(learned, Model) else as_model(learned, data))
 
 
-def load(path: str | os.PathLike[str]) -> Model | CovAggClassifier | ValueFunction:
+def load(path: str | os.PathLike[str]) -> Model | CovAggClassifier | AnyValue:
     """Read what `save`, ``relforest fit`` or ``relforest learn`` has written.
 
     Parameters
@@ -67,7 +67,7 @@ def load(path: str | os.PathLike[str]) -> Model | CovAggClassifier | ValueFuncti
 
     Returns
     -------
-    Model, CovAggClassifier or ValueFunction
+    Model, CovAggClassifier, ValueFunction or QValue
         How to predict from scenes; a fitted classifier of bags; or the values of actions that the policy of a
         run folder rests on (`SMRFRPI.load` reads an agent that can go on learning).
         `relforest.models.read_model` is for callers that expect a `Model`.

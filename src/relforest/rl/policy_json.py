@@ -7,7 +7,6 @@ for reading.
 
 from __future__ import annotations
 
-import os
 import re
 import reprlib
 from collections import Counter
@@ -19,7 +18,7 @@ import numpy as np
 
 from relforest.rl.settings import FeatureMode
 from relforest.rl.value import ValueFunction
-from relforest.runs.store import CHECKPOINT, read_checkpoint
+from relforest.runs.store import CHECKPOINT
 from relforest.scenes import Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.smdp import ActionType
@@ -70,17 +69,6 @@ def derived_files(
 def named_weights(value: ValueFunction) -> dict[str, FloatArray]:
     """Return the weights by the names that `describe` uses."""
     return dict(zip(slugs(value.action_types), value.weights, strict=True))
-
-
-def read_policy(folder: str | os.PathLike[str]) -> ValueFunction:
-    """Read the policy from a run folder, even while the run goes on; its experience is not needed.
-
-    Raises
-    ------
-    ModelFormatError
-        If a file is missing or malformed, or the files do not match.
-    """
-    return policy_of(read_checkpoint(folder).document, Path(folder))[0]
 
 
 def policy_of(document: Mapping[str, Any], folder: Path) -> tuple[ValueFunction, TreeNames]:

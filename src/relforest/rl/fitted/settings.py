@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
-from typing import Any, final
+from typing import Any, Final, final
 
 from relforest.rl.settings import read_options
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, in_range
+
+Q_DISCOUNT: Final = 0.99
+"""The discount of tasks that are learned with ``smrf-q``: in keepaway, .9 looks ahead for one second."""
 
 
 @final

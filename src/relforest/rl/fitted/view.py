@@ -104,7 +104,7 @@ class View:
         with well_formed("malformed view"):
             world = Schema.from_dict(document["schema"])
             values = []
-            for name, rows in dict(document["values"]).items():
+            for name, rows in document["values"].items():
                 distinct = np.array(rows, dtype=np.float64)
                 shape = (len(distinct), world[name].dim)
                 if distinct.shape != shape or not 1 <= len(distinct) <= _MOST_VALUES:

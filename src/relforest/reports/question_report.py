@@ -1,0 +1,86 @@
+"""A run of smrf-q as text: the metrics of its iterations, and what the policy asks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+from typing import Final
+
+from relforest.forests.words import sentence
+from relforest.reports.run_report import metrics_table
+from relforest.rl.fitted.additive import Sum
+from relforest.rl.fitted.horizon import Horizon
+from relforest.rl.fitted.policy_json import KEY, value_of
+from relforest.rl.fitted.value import QValue
+from relforest.runs.store import read_checkpoint
+from relforest.support.numerals import number
+
+MOST_QUESTIONS: Final = 10
+
+
+def question_report(folder: str | PathLike[str]) -> str:
+    """Describe what a run has learned: a line of metrics per iteration, then what matters most.
+
+    Parameters
+    ----------
+    folder : path
+        The folder of a single run, see `relforest.runs.store`.
+
+    Raises
+    ------
+    ModelFormatError
+        If a file is missing or malformed.
+    """
+    checkpoint, path = read_checkpoint(folder), Path(folder)
+    table = metrics_table(checkpoint.metrics)
+    if checkpoint.iteration == 0:
+        return table
+    value = value_of(checkpoint.document[KEY], path, checkpoint.iteration)
+    return f"{table}\n\n{value_in_words(value)}"
+
+
+def value_in_words(value: QValue, most: int = MOST_QUESTIONS) -> str:
+    """Return the questions of each action type that matter most, at most so many."""
+    names = [
+        action_type.name + (f"({', '.join(action_type.parameters)})" if action_type.parameters else "")
+        for action_type in value.action_types
+    ]
+    learned = value.learned
+    own = (
+        _of_sum(learned, place, names, most)
+        if isinstance(learned, Sum)
+        else _of_horizon(learned, place, names, most)
+        for place in range(len(names))
+    )
+    return "\n\n".join("\n".join(lines) for lines in own)
+
+
+def _of_sum(learned: Sum, place: int, names: list[str], most: int) -> Iterator[str]:
+    own = sorted(learned.questions[place], key=lambda question: -question.spread)
+    what = "Q" if learned.base in (None, place) else f"Q less that of {names[learned.base]}"
+    added = f"{number(learned.constants[place])} and what {len(own)} questions add"
+    yield f"{names[place]}: {what} is {added}{_first(len(own), most)}"
+    for rank, question in enumerate(own[:most], start=1):
+        points = zip(question.heights, question.knots, strict=True)
+        curve = ", ".join(f"{_signed(height)} at {number(knot)}" for height, knot in points)
+        yield f"  {rank}. how far it is from true that {sentence(question.condition, learned.schemas[place])}"
+        yield f"     adds {curve}; varies by {number(question.spread)}"
+
+
+def _of_horizon(learned: Horizon, place: int, names: list[str], most: int) -> Iterator[str]:
+    own = sorted(learned.measured[place], key=lambda each: -each.importance)
+    forests = f"{len(learned.forests.roots)} forests, one for each number of remaining actions"
+    yield f"{names[place]}: {forests}, on {len(own)} measures{_first(len(own), most)}"
+    for rank, each in enumerate(own[:most], start=1):
+        words = sentence(each.condition, learned.schemas[place])
+        what = "how often and how nearly it is true" if each.condition.n_free else "how far it is from true"
+        yield f"  {rank}. {each.importance:.1%}: {what} that {words}"
+
+
+def _first(n: int, most: int) -> str:
+    return f"; the first {most}:" if n > most else ":" if n else ""
+
+
+def _signed(height: float) -> str:
+    return number(height) if height < 0.0 else f"+{number(height)}"
