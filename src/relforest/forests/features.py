@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal, cast
 import numpy as np
 
 from relforest.forests.batches import in_batches
-from relforest.forests.measures import measures
+from relforest.forests.measures import measures, work_space
 from relforest.forests.question_measures import question_measures
 from relforest.forests.questions import leaf_in_words, question_in_words, questions
 from relforest.forests.tree_features import tree_features
@@ -134,7 +134,8 @@ def _measures(ensemble: Ensemble, scenes: Scenes, n_jobs: int) -> tuple[FloatArr
     columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
 
     def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
-        measures(ensemble.packed, scenes.matrix, columns, begin, end, out[0], out[1], stop)
+        work = work_space(ensemble.packed, scenes.schema.n_parameters, scenes.schema.width)
+        measures(ensemble.packed, scenes.matrix, columns, begin, end, work, out, stop)
 
     in_batches(evaluate, len(scenes), n_jobs)
     return out[0], out[1]

@@ -3,27 +3,63 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.forests.evaluation import excess, following
-from relforest.forests.forms import FORM, IS, NEAR, SECOND, WEIGHT
-from relforest.forests.packing import BEGIN, COUNT, END, N_FREE, Packed
+from relforest.forests.evaluation import following
+from relforest.forests.forms import FIRST, FORM, IS, LIMIT, NEAR, SECOND, WEIGHT, value
+from relforest.forests.packing import (
+    BEGIN,
+    CIRCULAR,
+    COUNT,
+    DIM,
+    END,
+    N_FREE,
+    OFFSET,
+    OPERATION,
+    VARIABLES,
+    Packed,
+)
+from relforest.mappings.kernels import map_point
 from relforest.support.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+class Work(NamedTuple):
+    """Space for one choice of objects and for what all choices of a scene have shown."""
+
+    bound: NDArray[np.int64]  # (n_arguments + 2,): the choice
+    points: NDArray[np.float64]  # (n_points, width): the mappings' values
+    is_defined: NDArray[np.bool_]  # (n_points,)
+    is_used: NDArray[np.bool_]  # (3, n_points): by conditions with 0, 1 and 2 free variables
+    smallest: NDArray[np.float64]  # (n_conditions, most): the smallest margins, ascending
+    farthest: NDArray[np.float64]  # (n_conditions,): the largest margin of any first object
+    n_before: NDArray[np.int64]  # (n_conditions,): the count before the present first object
+
+
+def work_space(packed: Packed, n_arguments: int, width: int) -> Work:
+    """Return space for scenes with so many arguments and columns."""
+    n_points, n_conditions = len(packed.points), len(packed.conditions)
+    is_used = np.zeros((3, n_points), dtype=np.bool_)
+    for begin, end, n_free, _ in packed.conditions.tolist():
+        is_used[n_free, packed.point_of[begin:end]] = True
+    most = int(packed.conditions[:, COUNT].max(initial=1))
+    return Work(
+        np.empty(n_arguments + 2, dtype=np.int64),
+        np.empty((n_points, max(width, 2))),
+        np.empty(n_points, dtype=np.bool_),
+        is_used,
+        np.empty((n_conditions, max(most, 1))),
+        np.empty(n_conditions),
+        np.empty(n_conditions, dtype=np.int64),
+    )
+
+
 @kernel
-def _margin(
-    packed: Packed,
-    condition: int,
-    matrix: NDArray[np.float64],
-    bound: NDArray[np.int64],
-    point: NDArray[np.float64],
-) -> float:
+def _margin(packed: Packed, condition: int, work: Work) -> float:
     """How far the bound objects are from making all statements true, at most 0 if they do.
 
     It is the largest excess of any statement. A category cannot be nearly right: NaN if one is wrong, or
@@ -31,9 +67,12 @@ def _margin(
     """
     worst, is_wrong, has_number = -np.inf, False, False
     for statement in range(packed.conditions[condition, BEGIN], packed.conditions[condition, END]):
-        x, numbers = excess(packed, statement, matrix, bound, point), packed.numbers[statement]
-        if math.isnan(x):
+        place, numbers = packed.point_of[statement], packed.numbers[statement]
+        if not work.is_defined[place]:
             return np.nan
+        second = int(numbers[SECOND])
+        y = work.points[place, second] if second >= 0 else 0.0
+        x = value(numbers, work.points[place, int(numbers[FIRST])], y) - numbers[LIMIT]
         if numbers[FORM] >= IS:
             is_wrong |= x > 0.0
             continue
@@ -61,40 +100,41 @@ def _keep(smallest: NDArray[np.float64], x: float) -> bool:
 
 
 @kernel
-def _measure(
-    packed: Packed,
-    condition: int,
-    matrix: NDArray[np.float64],
-    objects: NDArray[np.int64],
-    arguments: NDArray[np.int64],
-    bound: NDArray[np.int64],
-    point: NDArray[np.float64],
-    stop: NDArray[np.bool_],
-) -> tuple[float, int]:
-    n_arguments, n_free = len(arguments), packed.conditions[condition, N_FREE]
-    every = packed.conditions[condition, COUNT] == 0
-    smallest = np.full(max(packed.conditions[condition, COUNT], 1), np.inf)
-    bound[:n_arguments] = arguments
-    bound[n_arguments:] = -1
-    count, farthest = 0, -np.inf
-    if n_free == 0:
-        count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
-    first = following(objects, arguments, -1, -1) if n_free > 0 else len(objects)
-    while first < len(objects) and not stop[0]:
-        bound[n_arguments] = objects[first]
-        second = following(objects, arguments, -1, first) if n_free == 2 else 0
-        n_before = count
-        while second < len(objects):
-            if n_free == 2:
-                bound[n_arguments + 1] = objects[second]
-            count += _keep(smallest, _margin(packed, condition, matrix, bound, point))
-            second = following(objects, arguments, second, first) if n_free == 2 else len(objects)
-        if every:
-            farthest, smallest[0] = max(farthest, smallest[0]), np.inf
-            count = min(count, n_before + 1)
-        first = following(objects, arguments, first, -1)
-    margin = farthest if every and farthest > -np.inf else smallest[len(smallest) - 1]
-    return (margin if margin < np.inf else np.nan), count
+def _look(
+    packed: Packed, n_free: int, matrix: NDArray[np.float64], work: Work, counts: NDArray[np.float64]
+) -> None:
+    """Take the bound objects into account for all conditions with so many free variables."""
+    for place in range(len(packed.points)):
+        if work.is_used[n_free, place]:
+            row = packed.points[place]
+            a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
+            objects = (work.bound[a], work.bound[b] if b >= 0 else -1, work.bound[c] if c >= 0 else -1)
+            span = (row[OFFSET], row[DIM])
+            work.is_defined[place] = map_point(
+                row[OPERATION], row[CIRCULAR] == 1, span, matrix, objects, work.points, place
+            )
+    for condition in range(len(packed.conditions)):
+        if packed.conditions[condition, N_FREE] == n_free:
+            needed = max(packed.conditions[condition, COUNT], 1)
+            counts[condition] += _keep(work.smallest[condition, :needed], _margin(packed, condition, work))
+
+
+@kernel
+def _begin_first(packed: Packed, work: Work, counts: NDArray[np.float64]) -> None:
+    """Begin with another first object, for conditions on every one."""
+    for condition in range(len(packed.conditions)):
+        if packed.conditions[condition, COUNT] == 0:
+            work.smallest[condition, 0] = np.inf
+            work.n_before[condition] = int(counts[condition])
+
+
+@kernel
+def _end_first(packed: Packed, work: Work, counts: NDArray[np.float64]) -> None:
+    """Note how near the first object came, and count it once."""
+    for condition in range(len(packed.conditions)):
+        if packed.conditions[condition, COUNT] == 0:
+            work.farthest[condition] = max(work.farthest[condition], work.smallest[condition, 0])
+            counts[condition] = min(int(counts[condition]), work.n_before[condition] + 1)
 
 
 @kernel
@@ -104,22 +144,49 @@ def measures(
     scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
     begin: int,
     end: int,
-    margins: NDArray[np.float64],
-    counts: NDArray[np.float64],
+    work: Work,
+    out: NDArray[np.float64],
     stop: NDArray[np.bool_],
 ) -> None:
-    """Write margins and counts (n_scenes, n_conditions) for scenes from `begin` up to `end`, unless stopped.
+    """Write margins and counts (2, n_scenes, n_conditions) for scenes from `begin` up to `end`, unless stopped.
 
     The margin of a scene is that of the last choice that is needed: of the best one, or of the k-th best if k
     are required; NaN if fewer have one. For every first object, it is the largest of their own margins, and
     the first objects are counted.
     """
-    rows, starts, sizes, arguments = scenes
-    bound = np.empty(arguments.shape[1] + 2, dtype=np.int64)
-    point = np.empty((1, max(matrix.shape[1], 2)))
+    (rows, starts, sizes, arguments), margins, counts = scenes, out[0], out[1]
+    n_arguments = arguments.shape[1]
     for i in range(begin, end):
         objects = rows[starts[i] : starts[i] + sizes[i]]
+        counts[i] = 0.0
+        work.smallest[:] = np.inf
+        work.farthest[:] = -np.inf
+        work.bound[:n_arguments] = arguments[i]
+        work.bound[n_arguments:] = -1
+        if work.is_used[0].any():
+            _look(packed, 0, matrix, work, counts[i])
+        has_pairs = work.is_used[2].any()
+        first = following(objects, arguments[i], -1, -1)
+        if not has_pairs and not work.is_used[1].any():
+            first = len(objects)
+        while first < len(objects) and not stop[0]:
+            work.bound[n_arguments] = objects[first]
+            work.bound[n_arguments + 1] = -1
+            if work.is_used[1].any():
+                _look(packed, 1, matrix, work, counts[i])
+            if has_pairs:
+                _begin_first(packed, work, counts[i])
+                second = following(objects, arguments[i], -1, first)
+                while second < len(objects):
+                    work.bound[n_arguments + 1] = objects[second]
+                    _look(packed, 2, matrix, work, counts[i])
+                    second = following(objects, arguments[i], second, first)
+                _end_first(packed, work, counts[i])
+            first = following(objects, arguments[i], first, -1)
         for condition in range(len(packed.conditions)):
-            margins[i, condition], counts[i, condition] = _measure(
-                packed, condition, matrix, objects, arguments[i], bound, point, stop
-            )
+            needed = packed.conditions[condition, COUNT]
+            if needed == 0 and work.farthest[condition] > -np.inf:
+                margin = work.farthest[condition]
+            else:
+                margin = work.smallest[condition, max(needed, 1) - 1]
+            margins[i, condition] = margin if margin < np.inf else np.nan

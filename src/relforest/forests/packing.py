@@ -40,9 +40,14 @@ LEAF: Final = 3  # number of the leaf in its tree
 
 
 class Packed(NamedTuple):
-    """Trees one after the other; child indices count from the first node of all trees."""
+    """Trees one after the other; child indices count from the first node of all trees.
+
+    `points` are the different mappings, so that what several statements are about is computed once.
+    """
 
     statements: NDArray[np.int64]  # (n_statements, N_COLUMNS): the mapping
+    points: NDArray[np.int64]  # (n_points, N_COLUMNS)
+    point_of: NDArray[np.int64]  # (n_statements,): the row of `points`
     numbers: NDArray[np.float64]  # (n_statements, N_NUMBERS): what its components must be
     conditions: NDArray[np.int64]  # (n_conditions, 4)
     nodes: NDArray[np.int64]  # (n_nodes, 4)
@@ -82,8 +87,12 @@ def pack_conditions(schema: Schema, asked: Sequence[Condition]) -> Packed:
             numbers.append(values)
         needed = 0 if condition.every else condition.at_least
         conditions.append((begin, len(statements), condition.n_free, needed))
+    mapped = np.array(statements, dtype=np.int64).reshape(-1, N_COLUMNS)
+    points, point_of = np.unique(mapped, axis=0, return_inverse=True)
     return Packed(
-        np.array(statements, dtype=np.int64).reshape(-1, N_COLUMNS),
+        mapped,
+        points,
+        point_of.reshape(-1),
         np.array(numbers, dtype=np.float64).reshape(-1, N_NUMBERS),
         np.array(conditions, dtype=np.int64).reshape(-1, 4),
         np.empty((0, 4), dtype=np.int64),

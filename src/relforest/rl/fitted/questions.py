@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple, final
 import numpy as np
 
 from relforest.forests.conditions import Condition
-from relforest.forests.measures import measures
+from relforest.forests.measures import measures, work_space
 from relforest.forests.packing import Packed
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
@@ -101,10 +101,10 @@ def measured_rows(
     packed: Packed, matrix: FloatArray, columns: tuple[IntArray, IntArray, IntArray, IntArray]
 ) -> Measures:
     """Return what conditions say about scenes given as rows, starts, counts and arguments."""
-    shape = (len(columns[1]), len(packed.conditions))
-    margins, counts = np.empty(shape), np.empty(shape)
-    measures(packed, matrix, columns, 0, shape[0], margins, counts, np.zeros(1, dtype=np.bool_))
-    return Measures(margins, counts, columns[2])
+    out = np.empty((2, len(columns[1]), len(packed.conditions)))
+    work = work_space(packed, columns[3].shape[1], matrix.shape[1])
+    measures(packed, matrix, columns, 0, out.shape[1], work, out, np.zeros(1, dtype=np.bool_))
+    return Measures(out[0], out[1], columns[2])
 
 
 @kernel
