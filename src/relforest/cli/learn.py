@@ -47,8 +47,9 @@ class LearnOptions:
         keepaway-4v3 (on 25 m by 25 m), keepaway-5v4 (on 30 m by 30 m), keepaway-6v5 (on 35 m by 35 m),
         high-towers or color-grouping (5 blocks).
     method
-        Learner: smrf-rpi or, for keepaway, cmac-sarsa (each keeper learns alone, as in the benchmark) or
-        cmac-sarsa-shared (all learn from everyone's experience).
+        Learner: smrf-rpi or, for keepaway, cmac-sarsa (each keeper learns alone, as in the benchmark),
+        cmac-sarsa-shared (all learn from everyone's experience) or rbf-sarsa (radial basis functions instead
+        of tiles).
     episodes
         Training episodes per iteration.
     iterations
@@ -67,7 +68,7 @@ class LearnOptions:
     rpi
         Only with --method smrf-rpi.
     sarsa
-        Only with --method cmac-sarsa or cmac-sarsa-shared.
+        Only with --method cmac-sarsa, cmac-sarsa-shared or rbf-sarsa.
     """
 
     task: Annotated[

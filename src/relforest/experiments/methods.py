@@ -14,6 +14,7 @@ from relforest.rl.baselines.settings import SarsaSettings
 if TYPE_CHECKING:
     import numpy as np
 
+    from relforest.rl.baselines.tile_coding import TileKind
     from relforest.rl.settings import RPISettings
     from relforest.runs.learner import Learner
 
@@ -96,12 +97,13 @@ def _sarsa_learner(
     n_jobs: int,  # noqa: ARG001 - of every learner
     *,
     shared: bool,
+    kind: TileKind,
 ) -> Learner[Any]:
     from relforest.experiments.sarsa import SarsaLearner
     from relforest.worlds.keepaway.server.options import KeepawayOptions
 
     rules = KeepawayOptions(**task.options)
-    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes)
+    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes, kind)
 
 
 def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
@@ -110,12 +112,12 @@ def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: AR
     return {} if sarsa in (None, SarsaSettings()) else {"sarsa": sarsa.to_dict()}
 
 
-def _sarsa(*, shared: bool) -> Method:
+def _sarsa(*, shared: bool = False, kind: TileKind = "tiles") -> Method:
     return Method(
         "Sarsa",
         "sarsa",
         (),
-        partial(_sarsa_learner, shared=shared),
+        partial(_sarsa_learner, shared=shared, kind=kind),
         _sarsa_manifest,
         None,
         "relforest.experiments.learned_policies.team_policy",
@@ -135,8 +137,10 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
             "relforest.experiments.learned_policies.agent_policy",
             "policy",
         ),
-        "cmac-sarsa": _sarsa(shared=False),
+        "cmac-sarsa": _sarsa(),
         "cmac-sarsa-shared": _sarsa(shared=True),
+        "rbf-sarsa": _sarsa(kind="bells"),
     }
 )
-"""Name of a method -> SMRF-RPI; Sarsa on the benchmark's tile coding, each keeper alone or all together."""
+"""Name of a method -> SMRF-RPI; Sarsa on the benchmark's tile coding, each keeper alone or all together;
+Sarsa on radial basis functions."""

@@ -15,7 +15,7 @@ from relforest.support.options import in_range, one_of
 if TYPE_CHECKING:
     import gymnasium
     from matplotlib.figure import Figure
-MethodName: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"]
+MethodName: TypeAlias = Literal["smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared", "rbf-sarsa"]
 """A key of `relforest.experiments.methods.METHODS`."""
 
 
@@ -98,6 +98,7 @@ _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
         "smrf-rpi": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
         "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
         "cmac-sarsa-shared": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
+        "rbf-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
     }
 )
 
@@ -131,9 +132,9 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
 )
 """Name of a task -> the task.
 
-Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by 25 m
-is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no larger
-teams: they get 5 m more for each further pair.
+Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by
+25 m is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no
+larger teams: they get 5 m more for each further pair.
 """
 
 
