@@ -14,6 +14,8 @@ Conventions of the Gymnasium face of a world
   private ones (see `Decision`).
 - After a step, ``info["duration"]`` is the time that the action took, in the world's units, finite and not
   negative. It is 0 if another agent must choose at the same moment, before any time passes.
+- After a reset, ``info["duration_before"]`` and ``info["reward_before"]`` may be the time and the reward
+  before the first decision, 0 if they are missing. They belong to the score of the episode, and to no action.
 - The reward of ``env.step`` is the undiscounted total over the action; ``info["discounted_reward"]`` is
   the total discounted to the beginning of the action, and may be omitted if it equals the reward.
 - ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` marks a time limit.

@@ -10,6 +10,7 @@ from experiments.run_folders import write_run_of_sarsa
 from relforest.experiments.keepaway_picture import agent_policy_map, formations, team_policy_map
 from relforest.experiments.keepaway_team import benchmark_team
 from relforest.experiments.tasks import task_named
+from relforest.rl.baselines.tile_coding import TileKind
 from relforest.rl.rpi import SMRFRPI
 from relforest.support.errors import InputError
 from relforest.worlds.keepaway.server.options import KeepawayOptions
@@ -28,9 +29,10 @@ def test_formations_keep_players_apart_and_inside(keepers: int, takers: int) -> 
         assert np.hypot(*(others - places[formation.actor]).T).min() > 5.0
 
 
-def test_a_team_has_its_map(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["tiles", "bells"])
+def test_a_team_has_its_map(tmp_path: Path, kind: TileKind) -> None:
     rules = KeepawayOptions(size=8.0)
-    write_run_of_sarsa(tmp_path, benchmark_team(rules), rules)
+    write_run_of_sarsa(tmp_path, benchmark_team(rules, kind=kind), rules)
     figure = team_policy_map(tmp_path, gymnasium.make("relforest/Keepaway-v0", size=8.0))
 
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["ball in a corner", "ball in the centre"]

@@ -23,6 +23,15 @@ def test_every_keeper_has_an_agent_with_the_tiles_of_the_benchmark() -> None:
     assert team[0].features.n_active == 608
 
 
+def test_bells_are_spread_as_wide_as_tiles() -> None:
+    features = benchmark_team(RULES, kind="bells")[0].features
+
+    assert features.to_dict()["kind"] == "bells"
+    # Eight of them reach a state, over two of the benchmark's tiles.
+    assert features.n_active == 13 * 8
+    assert features.to_dict()["widths"][:2] == [4.0, 4.0]
+
+
 def test_agents_learn_from_their_own_experience_or_from_all() -> None:
     alone, together = (benchmark_team(RULES, shared=shared, random_state=0) for shared in (False, True))
     for team in (alone, together):

@@ -28,7 +28,10 @@ from relforest.support.errors import InputError
             {"features": "bytes"},
             "features must be one of 'densities.bits', 'bits', 'probability', got 'bytes'",
         ),
-        ({"method": "guess"}, "method must be one of 'smrf-rpi', 'cmac-sarsa', 'cmac-sarsa-shared', got"),
+        (
+            {"method": "guess"},
+            "method must be one of 'smrf-rpi', 'cmac-sarsa', .*'rbf-sarsa', got",
+        ),
         ({"discount": 2.0}, "discount must be a number of at least 0 and of at most 1, got 2.0"),
         ({"rpi": {"epsilon": 0.1}}, r"rpi must be RPISettings\(...\), got {'epsilon': 0.1}"),
         ({"sarsa": SarsaSettings()}, "sarsa is not an option of smrf-rpi: leave it out"),

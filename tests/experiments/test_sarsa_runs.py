@@ -12,6 +12,7 @@ from relforest.experiments import sarsa
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import learn_runs
 from relforest.experiments.sarsa import trained_team
+from relforest.experiments.tasks import MethodName
 from relforest.runs import store
 from relforest.runs.store import iterations_of, metrics_of
 from relforest.support.errors import ModelFormatError, RunFolderError
@@ -45,15 +46,19 @@ def test_a_run_folder_holds_metrics_agents_and_pictures(finished: Path) -> None:
     assert len(trained_team(finished)) == 3
 
 
-def test_more_iterations_extend_a_run_to_the_one_that_had_them_at_once(tmp_path: Path) -> None:
-    longer = replace(SMALL, iterations=2, method="cmac-sarsa-shared")
+@pytest.mark.parametrize("method", ["cmac-sarsa-shared", "rbf-sarsa"])
+def test_more_iterations_extend_a_run_to_the_one_that_had_them_at_once(
+    tmp_path: Path, method: MethodName
+) -> None:
+    longer = replace(SMALL, iterations=2, method=method)
     learn_runs(longer, tmp_path / "at-once")
     learn_runs(replace(longer, iterations=1), tmp_path / "extended")
     learn_runs(longer, tmp_path / "extended")
 
     assert contents(tmp_path / "extended") == contents(tmp_path / "at-once")
     one, other, _ = trained_team(tmp_path / "extended")
-    assert one.weights is other.weights
+    assert (one.weights is other.weights) == (method == "cmac-sarsa-shared")
+    assert one.features.to_dict()["kind"] == ("bells" if method == "rbf-sarsa" else "tiles")
 
 
 @pytest.mark.parametrize("moment", ["write_npz", "write_json", "write_text"])

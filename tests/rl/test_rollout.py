@@ -125,6 +125,23 @@ def test_a_step_may_take_no_time() -> None:
     assert found.episode_durations.tolist() == [0.0]
 
 
+class Late(Picking):
+    """Three units of time, and a reward of 7, pass before the first decision."""
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        return super().reset(seed=seed, options=options)[0], {"duration_before": 3.0, "reward_before": 7.0}
+
+
+def test_what_passes_before_the_first_decision_counts_for_the_episode_alone() -> None:
+    late, found = (rollout(world, Last(), 2, SEED) for world in (Late(), Picking()))
+    assert late.episode_rewards.tolist() == (found.episode_rewards + 7.0).tolist()
+    assert late.episode_durations.tolist() == (found.episode_durations + 3.0).tolist()
+    assert late.rewards.tolist() == found.rewards.tolist()
+    assert late.durations.tolist() == found.durations.tolist()
+
+
 def test_worlds_that_break_the_conventions_are_named() -> None:
     with pytest.raises(InputError, match="Stuck offers no action"):
         rollout(Stuck(), Last(), 1, SEED)

@@ -50,7 +50,8 @@ class LearnOptions:
         high-towers or color-grouping (5 blocks).
     method
         Learner: smrf-rpi, smrf-q or, for keepaway, cmac-sarsa (each keeper learns alone, as in the
-        benchmark) or cmac-sarsa-shared (all learn from everyone's experience).
+        benchmark), cmac-sarsa-shared (all learn from everyone's experience) or rbf-sarsa (radial basis
+        functions instead of tiles).
     episodes
         Training episodes per iteration.
     iterations
@@ -71,7 +72,7 @@ class LearnOptions:
     q
         Only with --method smrf-q.
     sarsa
-        Only with --method cmac-sarsa or cmac-sarsa-shared.
+        Only with --method cmac-sarsa, cmac-sarsa-shared or rbf-sarsa.
     """
 
     task: Annotated[

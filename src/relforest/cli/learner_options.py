@@ -142,7 +142,7 @@ _PLACES: Final[Mapping[str, tuple[str, str]]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class SarsaOptions:
-    """Options of --method cmac-sarsa and cmac-sarsa-shared.
+    """Options of --method cmac-sarsa, cmac-sarsa-shared and rbf-sarsa.
 
     Parameters
     ----------

@@ -55,7 +55,8 @@ def team_policy_map(folder: Path, env: Environment) -> Figure:
     """Draw what the first agent of a Sarsa team prefers."""
     setup, agent = _setup(env), trained_team(folder)[0]
     evaluate = on_variables(agent.values, keepers=setup.keepers, actor=_ACTOR)
-    return _figure(setup, evaluate, "CMAC Sarsa, the first keeper's agent")
+    features = {"tiles": "CMAC", "bells": "RBF"}[agent.features.to_dict()["kind"]]
+    return _figure(setup, evaluate, f"{features} Sarsa, the first keeper's agent")
 
 
 def formations(setup: Setup) -> tuple[Formation, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.rl.baselines import SarsaLambda, SarsaSettings, TileCoding, make_team
+from relforest.rl.baselines.tile_coding import TileKind
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report
@@ -29,10 +30,14 @@ def benchmark_team(
     options: KeepawayOptions,
     settings: SarsaSettings | None = None,
     *,
+    kind: TileKind = "tiles",
     shared: bool = False,
     random_state: RandomState = None,
 ) -> Team:
-    """Return one untrained agent per keeper, with the tile coding of the benchmark.
+    """Return one untrained agent per keeper, with the tile coding of the benchmark or with bells.
+
+    Bells stand a quarter of the benchmark's tile apart and have that as their standard deviation, so that a
+    value is learned for about the same surroundings as with tiles.
 
     Parameters
     ----------
@@ -40,6 +45,8 @@ def benchmark_team(
         The rules of the game.
     settings : SarsaSettings, optional
         Default: those of the benchmark.
+    kind : {"tiles", "bells"}
+        The features, see `relforest.rl.baselines.TileCoding`.
     shared : bool
         Whether all learn from everyone's experience (Palmer (2015), section 7.5.2).
     random_state : int, SeedSequence, Generator or None
@@ -48,7 +55,11 @@ def benchmark_team(
     ----------
     Stone, Sutton and Kuhlmann (2005), "Reinforcement learning for RoboCup soccer keepaway".
     """
-    coding = TileCoding(tile_widths(options.keepers, options.takers), options.keepers)
+    widths = tile_widths(options.keepers, options.takers)
+    if kind == "bells":
+        coding = TileCoding([2.0 * width for width in widths], options.keepers, tilings=8, kind=kind)
+    else:
+        coding = TileCoding(widths, options.keepers)
     return make_team(coding, options.keepers, settings, shared=shared, random_state=random_state)
 
 

@@ -15,6 +15,7 @@ from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings
 if TYPE_CHECKING:
     import numpy as np
 
+    from relforest.rl.baselines.tile_coding import TileKind
     from relforest.rl.settings import RPISettings
     from relforest.runs.learner import Learner
 
@@ -115,12 +116,13 @@ def _sarsa_learner(
     n_jobs: int,  # noqa: ARG001 - of every learner
     *,
     shared: bool,
+    kind: TileKind,
 ) -> Learner[Any]:
     from relforest.experiments.sarsa import SarsaLearner
     from relforest.worlds.keepaway.server.options import KeepawayOptions
 
     rules = KeepawayOptions(**task.options)
-    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes)
+    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes, kind)
 
 
 def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
@@ -129,12 +131,12 @@ def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: AR
     return {} if sarsa in (None, SarsaSettings()) else {"sarsa": sarsa.to_dict()}
 
 
-def _sarsa(*, shared: bool) -> Method:
+def _sarsa(*, shared: bool = False, kind: TileKind = "tiles") -> Method:
     return Method(
         "Sarsa",
         "sarsa",
         (),
-        partial(_sarsa_learner, shared=shared),
+        partial(_sarsa_learner, shared=shared, kind=kind),
         _sarsa_manifest,
         None,
         "relforest.experiments.learned_policies.team_policy",
@@ -164,9 +166,10 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
             "relforest.experiments.learned_policies.agent_policy",
             "fitted",
         ),
-        "cmac-sarsa": _sarsa(shared=False),
+        "cmac-sarsa": _sarsa(),
         "cmac-sarsa-shared": _sarsa(shared=True),
+        "rbf-sarsa": _sarsa(kind="bells"),
     }
 )
 """Name of a method -> SMRF-RPI; fitted Q on relational questions; Sarsa on the benchmark's tile coding, each
-keeper alone or all together."""
+keeper alone or all together; Sarsa on radial basis functions."""

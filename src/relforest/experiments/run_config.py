@@ -46,7 +46,7 @@ class RunConfig:
         Test episodes after each iteration. Default: as many as `episodes`.
     features : {"densities+bits", "bits", "probability"}, optional
         What a tree contributes to the features, for SMRF-RPI. Default: as in `rpi`.
-    method : {"smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared"}
+    method : {"smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared", "rbf-sarsa"}
         How to learn, see `relforest.experiments.methods.METHODS`.
     rpi : RPISettings, optional
         Options of SMRF-RPI. Default: those of the task.

@@ -1,4 +1,4 @@
-"""Sarsa with the tile coding of the keepaway benchmark as a learner in iterations."""
+"""Sarsa with the tile coding of the keepaway benchmark, or with bells, as a learner in iterations."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from relforest.experiments.keepaway_team import Team, benchmark_team, play_episodes_with, renewed
 from relforest.rl.baselines import SarsaSettings, read_team
 from relforest.rl.baselines.sarsa_file import MODEL, describe_team
+from relforest.rl.baselines.tile_coding import TileKind
 from relforest.rl.configuration import seed_to_dict
 from relforest.runs.learner import Row, Snapshot
 from relforest.runs.store import read_checkpoint
@@ -60,6 +61,8 @@ class SarsaLearner:
         Of the whole run.
     episodes, test_episodes : int
         Training and test episodes per iteration.
+    kind : {"tiles", "bells"}
+        The features, see `relforest.experiments.keepaway_team.benchmark_team`.
     """
 
     rules: KeepawayOptions
@@ -68,6 +71,7 @@ class SarsaLearner:
     seed: np.random.SeedSequence
     episodes: int
     test_episodes: int
+    kind: TileKind = "tiles"
 
     files: ClassVar[re.Pattern[str]] = re.compile(r"model-\d{4}/sarsa(-[0-9a-f]{16}\.npz|\.json)")
 
@@ -82,12 +86,16 @@ class SarsaLearner:
             "settings": self.settings.to_dict(),
             "shared": self.shared,
             "rules": {name: list(value) if isinstance(value, tuple) else value for name, value in rules},
+            # Older runs name no features.
+            **({} if self.kind == "tiles" else {"features": self.kind}),
         }
 
     def start(self) -> Trained:
         """Return untrained agents."""
         seed = stream(self.seed, 0, _AGENTS)
-        return Trained(benchmark_team(self.rules, self.settings, shared=self.shared, random_state=seed))
+        return Trained(
+            benchmark_team(self.rules, self.settings, kind=self.kind, shared=self.shared, random_state=seed)
+        )
 
     def iterate(self, state: Trained, number: int) -> Trained:
         """Let the agents learn while they play."""

@@ -15,7 +15,7 @@ from relforest.support.options import in_range, one_of
 if TYPE_CHECKING:
     import gymnasium
     from matplotlib.figure import Figure
-MethodName: TypeAlias = Literal["smrf-rpi", "smrf-q", "cmac-sarsa", "cmac-sarsa-shared"]
+MethodName: TypeAlias = Literal["smrf-rpi", "smrf-q", "cmac-sarsa", "cmac-sarsa-shared", "rbf-sarsa"]
 """A key of `relforest.experiments.methods.METHODS`."""
 
 
@@ -101,6 +101,7 @@ _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
         "smrf-q": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
         "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
         "cmac-sarsa-shared": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
+        "rbf-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
     }
 )
 

@@ -148,7 +148,7 @@ def measures(
     out: NDArray[np.float64],
     stop: NDArray[np.bool_],
 ) -> None:
-    """Write margins and counts (2, n_scenes, n_conditions) for scenes from `begin` up to `end`, unless stopped.
+    """Write margins and counts (2, n_scenes, n_conditions) of scenes from `begin` to `end`, unless stopped.
 
     The margin of a scene is that of the last choice that is needed: of the best one, or of the k-th best if k
     are required; NaN if fewer have one. For every first object, it is the largest of their own margins, and

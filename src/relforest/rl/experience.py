@@ -61,7 +61,7 @@ class Experience:
     terminal, truncated : (n,) bool
         Whether the transition ended its episode in a terminal state, or by a time limit.
     episode_rewards, episode_durations : (e,) float64
-        Undiscounted total reward and duration of each episode.
+        Undiscounted total reward and duration of each episode, with what passed before its first decision.
 
     Raises
     ------

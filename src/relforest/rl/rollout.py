@@ -86,8 +86,10 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     for episode in range(at_least("episodes", episodes, 1)):
         report("episodes", episode, episodes)
         # Worlds written in other languages may accept only 32 bits.
-        env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
-        totals.append(_play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps))
+        _, info = env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
+        total, elapsed = _play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps)
+        earlier, before = (float(info.get(f"{name}_before", 0.0)) for name in ("reward", "duration"))
+        totals.append((earlier + total, before + elapsed))
     return experience_of(world, decisions, steps, totals)
 
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from relforest.rl.baselines import TileCoding
+from relforest.rl.baselines.tile_coding import TileKind
 from relforest.support.errors import InputError, ModelFormatError
 
 KEEPAWAY = [2.0, 2.0, 3.0, 2.0, 3.0, 2.0, 3.0, 3.0, 3.0, 4.0, 4.0, 10.0, 10.0]
@@ -82,6 +83,30 @@ def test_features_are_the_cells_of_the_definition(width: float, tilings: int, nu
     assert len(set(feature_of.values())) == len(feature_of)
 
 
+def test_bells_stand_in_the_middle_of_their_tiles() -> None:
+    tiles = TileCoding([2.0, 10.0], 2, tilings=8, lower=-3.0, kind="bells")
+    for observation in ([0.3, 17.0], [-3.0, 0.0], [-9.0, 1e300]):
+        indices, values = tiles.features(observation)
+        for i, width in enumerate((2.0, 10.0)):
+            number = min(max(observation[i], -3.0), -3.0 + 64 * width)
+            q = math.floor(number / width * 8)
+            # The last active tile begins at step q, each one before it a step earlier.
+            middles = [(q - 7 + j) * width / 8 + width / 2 for j in range(8)]
+            bells = [math.exp(-((number - middle) ** 2) / (2 * (width / 8) ** 2)) for middle in middles]
+            scale = math.sqrt(8 / math.sqrt(math.pi))
+            for row in values:
+                np.testing.assert_allclose(row[8 * i : 8 * i + 8], scale * np.array(bells), rtol=1e-9)
+        plain = TileCoding([2.0, 10.0], 2, tilings=8, lower=-3.0)
+        np.testing.assert_array_equal(indices, plain.features(observation).indices)
+
+
+@given(st.floats(-1.0, 30.0))
+def test_bells_are_as_long_as_tiles_wherever_a_state_is(number: float) -> None:
+    features = TileCoding([2.0], 1, tilings=8, kind="bells").features([number])
+    # What a step of size 1 changes the value by.
+    assert (features.values[0] ** 2).sum() == pytest.approx(8.0, rel=1e-3)
+
+
 def test_features_of_different_states_are_different_arrays() -> None:
     tiles = TileCoding([1.0], 1, tilings=2)
     first = tiles.features([0.0]).indices
@@ -123,6 +148,7 @@ def test_bad_observations_are_refused(observation: Any, message: str) -> None:
         ({"widths": [1e307]}, r"upper\[0\] must be a finite number"),
         ({"n_actions": 0}, "n_actions must be an integer of at least 1"),
         ({"n_actions": 10**9}, "need .* features"),
+        ({"kind": "cones"}, "kind must be one of 'tiles', 'bells', got 'cones'"),
         ({"tilings": 0}, "tilings must be an integer of at least 1"),
         ({"tilings": 2.5}, "tilings must be an integer of at least 1"),
         ({"widths": [1.0] * 10_001}, "widths must be at most 10000 numbers, got 10001"),
@@ -139,13 +165,16 @@ def test_bad_options_are_refused(options: dict[str, Any], message: str) -> None:
         TileCoding(**(given | options))
 
 
-def test_tilings_survive_json() -> None:
-    tiles = TileCoding(KEEPAWAY, 3, tilings=8, lower=-1, upper=np.linspace(20, 32, 13))  # type: ignore[arg-type]
+@pytest.mark.parametrize("kind", ["tiles", "bells"])
+def test_tilings_survive_json(kind: TileKind) -> None:
+    upper: Any = np.linspace(20, 32, 13)
+    tiles = TileCoding(KEEPAWAY, 3, tilings=8, lower=-1, upper=upper, kind=kind)
     stored = json.loads(json.dumps(tiles.to_dict()))
     again = TileCoding.from_dict(stored)
     assert again.to_dict() == tiles.to_dict()
     observation = np.linspace(0, 25, 13)
-    np.testing.assert_array_equal(again.features(observation).indices, tiles.features(observation).indices)
+    for one, other in zip(again.features(observation), tiles.features(observation), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
-from relforest.support.rng import seed_sequence
+from relforest.support.rng import seed_sequence, stream
 from relforest.testing import check_world
 from relforest.worlds.keepaway.decisions.policies import HandCodedPolicy, hand_coded
 from relforest.worlds.keepaway.decisions.scene import NOBODY, location_of
@@ -336,10 +336,14 @@ def test_what_is_returned_belongs_to_the_caller() -> None:
 
 
 def test_learners_can_gather_experience() -> None:
-    env = gymnasium.make("relforest/Keepaway-v0")
-    found = rollout(env, RandomPolicy(), 3, np.random.SeedSequence(0))
+    env, seed = gymnasium.make("relforest/Keepaway-v0"), np.random.SeedSequence(0)
+    found = rollout(env, RandomPolicy(), 3, seed)
     assert found.terminal.sum() == 3
-    assert found.durations.sum() == found.episode_rewards.sum() == found.episode_durations.sum()
+    # Learners of all kinds are scored by whole episodes, though they learn from the first decision on.
+    first = [env.reset(seed=int(stream(seed, i, 0).generate_state(1)[0]))[1]["time"] for i in range(3)]
+    assert min(first) > 0
+    assert found.durations.sum() + sum(first) == found.episode_durations.sum()
+    np.testing.assert_array_equal(found.episode_rewards, found.episode_durations)
     assert (found.rewards <= 10.0).all()
 
 

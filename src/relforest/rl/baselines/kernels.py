@@ -17,6 +17,12 @@ from relforest.support.jit import kernel
 LIMIT: Final = 1e100
 """Larger values count as divergence: far above any meaningful value, far below overflow."""
 
+WIDTH_IN_SIGMAS: Final = 8.0
+"""Width of a tile in standard deviations of its bell: at its edges, the bell is down to e**-8."""
+
+HEIGHT: Final = math.sqrt(WIDTH_IN_SIGMAS / math.sqrt(math.pi))
+"""Of a bell: its square is 1 on average over the tile, so that steps are as large as those of plain tiles."""
+
 DIVERGED: Final = -1
 NO_FEATURE: Final = -2
 
@@ -48,6 +54,30 @@ def active_tiles(
             for j in range(tilings):
                 out[action, i * tilings + j] = action * stride + start + j
     return -1
+
+
+@kernel
+def bells(
+    widths: NDArray[np.float64],
+    lower: NDArray[np.float64],
+    upper: NDArray[np.float64],
+    tilings: int,
+    observation: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """Write the values of the tiles that `active_tiles` finds to `out` (n_actions, n_variables * tilings).
+
+    A bell stands in the middle of each tile; `WIDTH_IN_SIGMAS` and `HEIGHT` describe it.
+    """
+    for i in range(len(observation)):
+        place = min(max(observation[i], lower[i]), upper[i]) / widths[i] * tilings
+        beyond = place - math.floor(place)
+        for j in range(tilings):
+            # The j-th active tile began tilings - 1 - j steps and this remainder ago.
+            off = ((beyond + tilings - 1 - j) / tilings - 0.5) * WIDTH_IN_SIGMAS
+            bell = HEIGHT * math.exp(-0.5 * off * off)
+            for action in range(len(out)):
+                out[action, i * tilings + j] = bell
 
 
 class Memory(NamedTuple):

@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from relforest.rl.baselines.feature_map import FeatureMap
 from relforest.rl.baselines.kernels import LIMIT
 from relforest.rl.baselines.sarsa import SarsaLambda
 from relforest.rl.baselines.settings import SarsaSettings
-from relforest.rl.baselines.tile_coding import TileCoding
+from relforest.rl.baselines.tile_coding import TileCoding, TileKind
 from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import read_json, read_npz, write_json, write_npz
@@ -122,7 +122,7 @@ def read_team(
 
 def _feature_map(stored: object, given: FeatureMap[Any] | None, path: Path) -> FeatureMap[Any]:
     if given is None:
-        if isinstance(stored, Mapping) and stored.get("kind") == "tiles":
+        if isinstance(stored, Mapping) and stored.get("kind") in get_args(TileKind):
             return TileCoding.from_dict(stored)
         raise ModelFormatError(
             f"the features of {path} are {stored!r:.200}; only tile coding can be read from a file: "

@@ -2,23 +2,25 @@
 
 The tilings are one-dimensional, as in the keepaway benchmark of Stone et al. (2005): a value is a sum of one
 function per variable, and each of these is piecewise constant on intervals of width / tilings, but learned in
-steps as wide as a tile.
+steps as wide as a tile. With bells in the tiles, the features are radial basis functions of single variables.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, final
+from typing import Any, Final, Literal, TypeAlias, final, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from relforest.rl.baselines.feature_map import MAX_FEATURES, Features
-from relforest.rl.baselines.kernels import active_tiles
+from relforest.rl.baselines.kernels import active_tiles, bells
 from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError, ModelFormatError
-from relforest.support.options import at_least, in_range
+from relforest.support.options import at_least, in_range, one_of
+
+TileKind: TypeAlias = Literal["tiles", "bells"]
 
 DEFAULT_TILES: Final = 64
 MAX_VARIABLES: Final = 10_000
@@ -44,6 +46,10 @@ class TileCoding:
         Number of tilings per variable. With k variables, ``k * tilings`` features are active per action.
     lower, upper : float or sequence of float
         Range of the variables, one number for all or one each. By default from 0 over 64 tile widths.
+    kind : {"tiles", "bells"}
+        What an active tile contributes: 1, or the value of a Gaussian in the middle of the tile with an
+        eighth of its width as standard deviation, scaled so that its square is 1 on average over the tile.
+        With bells, values are smooth in the variables; 8 tilings or more hide where the centres are.
 
     Raises
     ------
@@ -58,7 +64,8 @@ class TileCoding:
     References
     ----------
     Stone, Sutton and Kuhlmann (2005), "Reinforcement learning for RoboCup soccer keepaway";
-    Palmer (2015), section 7.5.2, which compares with it.
+    Palmer (2015), section 7.5.2, which compares with it. Taylor and Stone (2007), "Cross-domain transfer for
+    reinforcement learning", for radial basis functions in keepaway.
 
     Examples
     --------
@@ -75,7 +82,9 @@ class TileCoding:
         tilings: int = 32,
         lower: float | Sequence[float] = 0.0,
         upper: float | Sequence[float] | None = None,
+        kind: TileKind = "tiles",
     ) -> None:
+        self._kind = one_of("kind", kind, get_args(TileKind))
         self._widths = _one_each("widths", widths, None)
         self._n_actions = at_least("n_actions", n_actions, 1)
         self._tilings = at_least("tilings", tilings, 1)
@@ -125,7 +134,7 @@ class TileCoding:
         return self._tilings * len(self._widths)
 
     def features(self, observation: ArrayLike, /) -> Features:
-        """Return the active tiles of each action, variable after variable; their values are 1.
+        """Return the active tiles of each action, variable after variable.
 
         Parameters
         ----------
@@ -150,12 +159,17 @@ class TileCoding:
         bad = active_tiles(*self._tiles, variables, indices)
         if bad >= 0:
             raise InputError(f"variable {bad} of an observation must be finite, got {variables[bad]}")
-        return Features(indices, self._ones)
+        if self._kind == "tiles":
+            return Features(indices, self._ones)
+        widths, lower, upper, _, tilings, _ = self._tiles
+        values = np.empty(self._ones.shape)
+        bells(widths, lower, upper, tilings, variables, values)
+        return Features(indices, values)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the options as plain JSON values."""
         return {
-            "kind": "tiles",
+            "kind": self._kind,
             "widths": list(self._widths),
             "n_actions": self._n_actions,
             "tilings": self._tilings,
@@ -173,13 +187,12 @@ class TileCoding:
             If an option is missing, unknown or out of its range.
         """
         names = ("kind", "widths", "n_actions", "tilings", "lower", "upper")
-        if not isinstance(document, Mapping) or set(document) != set(names) or document["kind"] != "tiles":
+        if not isinstance(document, Mapping) or set(document) != set(names):
             raise ModelFormatError(
                 f"malformed tile coding: expected {', '.join(names)}, got {document!r:.200}"
             )
-        options = {name: document[name] for name in names[1:]}
         try:
-            return cls(**options)
+            return cls(**document)
         except InputError as error:
             raise ModelFormatError(f"malformed tile coding: {error}") from error
 

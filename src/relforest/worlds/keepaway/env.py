@@ -41,8 +41,9 @@ class KeepawayEnv(WorldEnv):
 
     - ``actor``: the keeper that must decide, -1 after a terminal state. After a truncation, this is the
       keeper nearest to the ball, so that the value of its actions can be used.
-    - ``time``: cycles since the episode began. The ``time`` of the first decision plus all rewards is the
-      length of the episode. ``actor`` and ``time`` identify each keeper's own experience.
+    - ``time``: cycles since the episode began. The ``time`` of the first decision, after a reset also in
+      ``duration_before`` and ``reward_before``, plus all rewards is the length of the episode. ``actor`` and
+      ``time`` identify each keeper's own experience.
     - ``last_times`` (keepers,): when each keeper last had the ball in this episode, before this moment; -1 =
       not yet. This may be later than its last decision: a cycle in which it finished a pass counts too, as
       for the benchmark's learners, which receive the reward ``time - last_times[actor]``.
@@ -138,6 +139,7 @@ class KeepawayEnv(WorldEnv):
             self._batch.begin([seed_sequence(self.np_random if seed is None else seed)], self._watching)
         info = self._info()
         info["without_decision"] = int(self._batch.seen.skipped[0])
+        info["duration_before"] = info["reward_before"] = float(info["time"])
         return self._observation(), info
 
     def _act(self, action: int) -> Step:

@@ -128,7 +128,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         self._batch.begin([self._seed_sequence(entry) for entry in seeds])
         self._begun = True
         infos = self._infos()
-        _add(infos, "without_decision", self._batch.seen.skipped.copy(), infos["_time"].copy())
+        self._add_beginnings(infos, np.ones(self.num_envs, dtype=np.bool_))
         return self._batch.observation(), infos
 
     def step(self, actions: ArrayLike) -> tuple[_Arrays, NDArray[Any], NDArray[Any], NDArray[Any], _Infos]:
@@ -141,7 +141,7 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         infos = self._infos()
         _add(infos, "duration", rewards.copy(), ~again)
         _add(infos, "discounted_reward", batch.discounted(self.discount), ~again)
-        _add(infos, "without_decision", np.where(again, batch.seen.skipped, 0), again)
+        self._add_beginnings(infos, again)
         names = np.array([END_NAMES.get(end) for end in ends.tolist()], dtype=object)
         _add(infos, "end", names, ended)
         return batch.observation(), rewards, ended & ~truncated, truncated, infos
@@ -171,6 +171,12 @@ class KeepawayVectorEnv(VectorEnv[dict[str, Any], NDArray[np.int64], NDArray[Any
         for name, values in self._batch.info().items():
             _add(infos, name, values, np.ones(self.num_envs, dtype=np.bool_))
         return infos
+
+    def _add_beginnings(self, infos: _Infos, begun: NDArray[np.bool_]) -> None:
+        """Add what happened before the first decision of the games that have just begun."""
+        _add(infos, "without_decision", np.where(begun, self._batch.seen.skipped, 0), begun)
+        for name in ("duration_before", "reward_before"):
+            _add(infos, name, np.where(begun, self._batch.times, 0.0), begun.copy())
 
     def _seeds(self, seed: object) -> list[int | None]:
         if seed is None:
