@@ -22,7 +22,7 @@ from relforest.forests.packing import (
     Packed,
 )
 from relforest.mappings.kernels import map_point
-from relforest.support.jit import kernel
+from relforest.support.jit import inlined, kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,18 +58,19 @@ def work_space(packed: Packed, n_arguments: int, width: int) -> Work:
     )
 
 
-@kernel
+@inlined
 def _margin(packed: Packed, condition: int, work: Work) -> float:
     """How far the bound objects are from making all statements true, at most 0 if they do.
 
     It is the largest excess of any statement. A category cannot be nearly right: NaN if one is wrong, or
     anything is undefined; -1 or 1 if all statements are about categories.
     """
-    worst, is_wrong, has_number = -np.inf, False, False
+    worst, is_wrong, has_number, is_defined = -np.inf, False, False, True
     for statement in range(packed.conditions[condition, BEGIN], packed.conditions[condition, END]):
         place, numbers = packed.point_of[statement], packed.numbers[statement]
-        if not work.is_defined[place]:
-            return np.nan
+        is_defined &= work.is_defined[place]
+        if not is_defined or (is_wrong and has_number):
+            break
         second = int(numbers[SECOND])
         y = work.points[place, second] if second >= 0 else 0.0
         x = value(numbers, work.points[place, int(numbers[FIRST])], y) - numbers[LIMIT]
@@ -79,24 +80,25 @@ def _margin(packed: Packed, condition: int, work: Work) -> float:
         has_number = True
         if numbers[FORM] >= NEAR:
             # The distance beyond the end of an interval, or about that beyond an ellipse.
-            area = numbers[WEIGHT] * (numbers[WEIGHT] if numbers[SECOND] < 0 else numbers[WEIGHT + 1])
+            area = numbers[WEIGHT] * (numbers[WEIGHT] if second < 0 else numbers[WEIGHT + 1])
             x = (math.sqrt(x + 1.0) - 1.0) / math.sqrt(math.sqrt(area))
         worst = max(worst, x)
-    if has_number:
-        return np.nan if is_wrong else worst
-    return 1.0 if is_wrong else -1.0
+    if not has_number:
+        worst = 1.0 if is_wrong else -1.0
+    elif is_wrong:
+        worst = np.nan
+    return worst if is_defined else np.nan
 
 
-@kernel
-def _keep(smallest: NDArray[np.float64], x: float) -> bool:
-    """Insert a number other than NaN into the ascending list; return whether it is at most 0."""
-    place = len(smallest) - 1
-    if x < smallest[place]:
-        while place > 0 and x < smallest[place - 1]:
-            smallest[place] = smallest[place - 1]
+@inlined
+def _keep(smallest: NDArray[np.float64], row: int, n: int, x: float) -> None:
+    """Insert a number other than NaN into the ascending list of the first `n` of a row."""
+    place = n - 1
+    if x < smallest[row, place]:
+        while place > 0 and x < smallest[row, place - 1]:
+            smallest[row, place] = smallest[row, place - 1]
             place -= 1
-        smallest[place] = x
-    return x <= 0.0
+        smallest[row, place] = x
 
 
 @kernel
@@ -115,8 +117,9 @@ def _look(
             )
     for condition in range(len(packed.conditions)):
         if packed.conditions[condition, N_FREE] == n_free:
-            needed = max(packed.conditions[condition, COUNT], 1)
-            counts[condition] += _keep(work.smallest[condition, :needed], _margin(packed, condition, work))
+            margin = _margin(packed, condition, work)
+            _keep(work.smallest, condition, max(packed.conditions[condition, COUNT], 1), margin)
+            counts[condition] += margin <= 0.0
 
 
 @kernel
