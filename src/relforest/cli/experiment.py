@@ -62,12 +62,12 @@ class ExperimentOptions:
 
 def experiment(options: ExperimentOptions) -> int:
     """Run a study; the exit code is 1 if a full study misses a bound, else 0."""
-    from relforest.experiments.registry import STUDIES, heading
+    from relforest.experiments.registry import STUDIES, question_of
 
     if not options.name:
         width = max(map(len, STUDIES))
         for name in STUDIES:
-            print(f"{name:<{width}}  {heading(f'relforest.experiments.{name}')[1]}")
+            print(f"{name:<{width}}  {question_of(name)}")
         return 0
     if options.name not in STUDIES:
         raise unknown("study", options.name, STUDIES)

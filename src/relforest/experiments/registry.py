@@ -10,10 +10,30 @@ from typing import TYPE_CHECKING, Any, Final, final
 if TYPE_CHECKING:
     from relforest.experiments.study import Study
 
-_PACKAGES: Final = {
-    name: f"relforest.experiments.{name}"
-    for name in ("mil", "concepts", "calibration", "mil_ablation", "corridor", "keepaway", "blocks", "resume")
+_PACKAGES: Final = (
+    "mil",
+    "concepts",
+    "calibration",
+    "mil_ablation",
+    "corridor",
+    "keepaway",
+    "blocks",
+    "resume",
+)
+_LEARNING: Final[ReadOnly[str, tuple[str, str]]] = {
+    "keepaway-learning": (
+        "KEEPAWAY",
+        "How many episodes of keepaway do learners need, also for larger teams?",
+    ),
+    "high-towers-learning": ("TOWERS", "How many episodes do learners need to build high towers?"),
+    "color-learning": ("COLORS", "How many episodes do learners need to group blocks by color?"),
 }
+"""Studies of one package that differ in their task: name -> name in its module, and question."""
+
+
+def question_of(name: str) -> str:
+    """Return the question of a study without loading it."""
+    return _LEARNING[name][1] if name in _LEARNING else heading(f"relforest.experiments.{name}")[1]
 
 
 def heading(package: str) -> tuple[str, str]:
@@ -26,17 +46,21 @@ class _Studies(ReadOnly[str, "Study[Any]"]):
     """Studies that are loaded when they are asked for."""
 
     def __getitem__(self, name: str) -> Study[Any]:
-        """Load a study."""
-        study: Study[Any] = import_module(f"{_PACKAGES[name]}.analysis").STUDY
+        """Load a study; `KeyError` if there is none of this name."""
+        if name not in (*_PACKAGES, *_LEARNING):
+            raise KeyError(name)
+        own, constant = ("learning", _LEARNING[name][0]) if name in _LEARNING else (name, "STUDY")
+        module = import_module(f"relforest.experiments.{own}.analysis")
+        study: Study[Any] = getattr(module, constant)
         return study
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
-        return iter(_PACKAGES)
+        return iter((*_PACKAGES, *_LEARNING))
 
     def __len__(self) -> int:
         """Return the number of studies."""
-        return len(_PACKAGES)
+        return len(_PACKAGES) + len(_LEARNING)
 
 
 STUDIES: Final[ReadOnly[str, Study[Any]]] = _Studies()

@@ -117,7 +117,8 @@ def _compute(
     for parent in {file.parent for file in files.values()}:
         remove_temporary_files(parent)
     if study.learned is not None:
-        runs = [study.learned(chosen[context], context) for context in left]
+        found = (study.learned(chosen[context], context) for context in left)
+        runs = [run for run in found if run is not None]
         with ExitStack() as locks:
             for run in runs:
                 locks.enter_context(run.held())
@@ -136,7 +137,7 @@ def _compute(
     run_tasks(
         _rows_of,
         [(study.compute, chosen[context], context) for context in left],
-        n_jobs=1 if study.learned else n_jobs,
+        n_jobs=n_jobs,
         prefer="processes",
         then=save,
     )

@@ -105,7 +105,8 @@ class Study(Generic[S]):
         Returns those of the given settings that cannot be computed here, each with the reason.
     learned : callable, optional
         For a study of learners: the run that a setting is about, in a folder below that of the study. It is
-        learned, or resumed, before `compute` turns what is in its folder into rows.
+        learned, or resumed, before `compute` turns what is in its folder into rows. None where nothing is
+        learned.
     """
 
     name: str
@@ -118,7 +119,7 @@ class Study(Generic[S]):
     compiles: bool = True
     choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
     unavailable: Callable[[Sequence[S]], Mapping[S, Unavailable]] | None = None
-    learned: Callable[[S, Context], RunInFolder] | None = None
+    learned: Callable[[S, Context], RunInFolder | None] | None = None
 
 
 def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, Sequence[str]]) -> list[int]:

@@ -1,0 +1,154 @@
+"""Table -> rewards by training episodes and method, claims, and learning curves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Final
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy import stats
+
+from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.learning import settings
+from relforest.experiments.learning.run import compute, learned
+from relforest.experiments.learning.settings import LearningSetting
+from relforest.experiments.registry import question_of
+from relforest.experiments.sheets import Entry, Sheet, Span
+from relforest.experiments.study import Study
+from relforest.experiments.table import Table
+from relforest.reports.style import GREY, MARKERS, SERIES, styled
+
+_DRAWS: Final = 5000
+_FEW: Final = 3
+
+
+def interquartile_mean(values: NDArray[np.float64]) -> float:
+    """Return the mean of the middle half of (n,) values."""
+    return float(stats.trim_mean(values, 0.25))
+
+
+def interval(values: NDArray[np.float64]) -> Span | None:
+    """Return the 95 % bootstrap interval of the interquartile mean of (n,) values; None for fewer than 3."""
+    if len(values) < _FEW:
+        return None
+    draws = np.random.default_rng(0).choice(values, (_DRAWS, len(values)))
+    low, high = np.percentile(stats.trim_mean(draws, 0.25, axis=1), (2.5, 97.5)).tolist()
+    return Span(low, high)
+
+
+def rewards(table: Table, played: str, condition: str, episodes: int) -> NDArray[np.float64]:
+    """Return the rewards of all runs of a condition after so many training episodes, (runs,), maybe none."""
+    kept = [
+        row["reward"]
+        for row in table.rows
+        if (row["played"], row["condition"], row["episodes"]) == (played, condition, episodes)
+    ]
+    return np.array(kept, dtype=np.float64)
+
+
+def summarize(task: str, table: Table) -> Findings:
+    """State rewards by method and episodes, and whether the better learner reached its goals."""
+    titles = {"condition": "", "episodes": "", "runs": "", "mean": _form(task)}
+    titles |= dict.fromkeys(("interquartile mean", "95 %", "least", "most"), _form(task))
+    sheets = []
+    for played in table.distinct("played"):
+        rows = tuple(_rows(table, str(played)))
+        sheets.append(Sheet(f"Reward per episode in {played}, learned in {task}", titles, rows))
+    return Findings("", tuple(_claims(task, table)), tuple(sheets))
+
+
+def figures(task: str, table: Table) -> Mapping[str, Figure]:
+    """Draw the mean reward of each learner by training episodes, and hand-made policies as lines."""
+    with styled():
+        figure = Figure(figsize=(5.6, 3.6), layout="constrained")
+        axes = figure.add_subplot()
+        own = table.where(played=task)
+        learners = [str(name) for name in own.distinct("condition") if str(name) in settings.LEARNERS]
+        for place, condition in enumerate(learners):
+            episodes = np.unique(own.where(condition=condition).numbers("episodes")).astype(int).tolist()
+            values = [rewards(table, task, condition, each) for each in episodes]
+            color, marker = SERIES[place % len(SERIES)], MARKERS[place % len(MARKERS)]
+            means = [each.mean() for each in values]
+            axes.plot(episodes, means, color=color, marker=marker, label=condition)
+            axes.fill_between(
+                episodes,
+                [each.min() for each in values],
+                [each.max() for each in values],
+                color=color,
+                alpha=0.15,
+                linewidth=0,
+            )
+        for name in map(str, own.distinct("condition")):
+            if name not in settings.LEARNERS:
+                level = float(rewards(table, task, name, 0).mean())
+                axes.axhline(level, color=GREY, linestyle="--", linewidth=0.9)
+                axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right")
+        axes.set_xlabel("training episodes (band: all runs)")
+        axes.set_ylabel("mean reward of a test episode")
+        axes.legend()
+    return {"learning.png": figure}
+
+
+def _rows(table: Table, played: str) -> Iterator[tuple[Entry, ...]]:
+    own = table.where(played=played)
+    for condition in map(str, own.distinct("condition")):
+        for episodes in np.unique(own.where(condition=condition).numbers("episodes")).astype(int).tolist():
+            found = rewards(table, played, condition, episodes)
+            ends = (float(found.min()), float(found.max()))
+            middle = interquartile_mean(found)
+            yield condition, episodes, len(found), float(found.mean()), middle, interval(found), *ends
+
+
+def _claims(task: str, table: Table) -> Iterator[Claim]:
+    ours, hand = settings.OURS, settings.HAND[task]
+    found = partial(rewards, table)
+    for episodes, goal in settings.GOALS[task].items():
+        if len(own := found(task, ours, episodes)):
+            yield Claim(f"{ours}: mean reward after {episodes} episodes", float(own.mean()), low=goal)
+    if task in settings.LEAST and len(own := found(task, ours, settings.LEAST[task][0])):
+        episodes, goal = settings.LEAST[task]
+        yield Claim(f"{ours}: least reward of a run after {episodes} episodes", float(own.min()), low=goal)
+    end = 1000
+    level = found(task, hand, 0)
+    if len(own := found(task, ours, end)) and len(level):
+        if task == settings.KEEPAWAY:
+            name = f"{ours}: least reward of a run after {end} episodes, bound: hand-coded"
+            yield Claim(name, float(own.min()), low=float(level.mean()))
+        elif task == settings.TOWERS:
+            p = float(stats.ttest_1samp(own, level.mean(), alternative="greater").pvalue)
+            yield Claim(f"{ours}: p of no more reward than {hand} after {end} episodes", p, high=0.05)
+        if len(sarsa := found(task, settings.SARSA, 6000)):
+            name = f"{ours}: least reward of a run after {end} episodes, bound: {settings.SARSA} after 6000"
+            yield Claim(name, float(own.min()), low=float(sarsa.mean()))
+        for other in settings.LARGER:
+            if len(there := found(other, ours, end)):
+                low = settings.TRANSFER.get(other, float(found(other, hand, 0).mean()))
+                yield Claim(
+                    f"{ours}: mean reward in {other} without learning there", float(there.mean()), low=low
+                )
+
+
+def _form(task: str) -> str:
+    return ".1f" if task == settings.KEEPAWAY else ".2f"
+
+
+def _study(name: str, task: str) -> Study[LearningSetting]:
+    return Study(
+        name,
+        question_of(name),
+        settings.SETTINGS[task],
+        settings.SMOKE[task],
+        compute,
+        partial(summarize, task),
+        partial(figures, task),
+        choices={"methods": lambda setting: setting.condition},
+        learned=learned,
+    )
+
+
+KEEPAWAY: Final = _study("keepaway-learning", settings.KEEPAWAY)
+TOWERS: Final = _study("high-towers-learning", settings.TOWERS)
+COLORS: Final = _study("color-learning", settings.COLORS)

@@ -1,0 +1,93 @@
+"""One run, or one hand-made policy -> rows: task, condition, run, episodes, reward, and where it played."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Final, cast
+
+import gymnasium
+import numpy as np
+
+from relforest.experiments.learned_policies import learned_policy
+from relforest.experiments.learning.settings import LARGER, LEARNERS, LearningSetting
+from relforest.experiments.run_config import RunConfig
+from relforest.experiments.runs import RunInFolder
+from relforest.experiments.study import Context
+from relforest.experiments.table import Row
+from relforest.experiments.tasks import task_named
+from relforest.rl.policy import Policy
+from relforest.rl.rollout import rollout
+from relforest.runs.store import metrics_of
+from relforest.support.rng import seed_sequence, stream
+
+if TYPE_CHECKING:
+    from relforest.worlds.environment import WorldEnv
+
+_TESTS: Final = 1_000_000
+
+
+def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
+    """Return the run that a setting is about; None for a hand-made policy."""
+    if not setting.episodes:
+        return None
+    choice = LEARNERS[setting.condition]
+    config = RunConfig(
+        setting.task,
+        method=choice.method,
+        episodes=setting.episodes,
+        iterations=setting.iterations,
+        test_episodes=setting.tests,
+        runs=setting.runs,
+        seed=_seed_of(setting.condition, context.seed),
+        discount=choice.discount,
+    )
+    name = setting.condition.replace(",", "").replace(" ", "-")
+    return RunInFolder(config, setting.run, context.folder / "runs" / name / f"run-{setting.run:02d}")
+
+
+def compute(setting: LearningSetting, context: Context) -> list[Row]:
+    """Return a row per iteration, and one for each other task that is played in the end.
+
+    Hand-made policies, and all policies in other tasks, play the same episodes as far as their actions allow.
+    """
+    head: Row = {"task": setting.task, "condition": setting.condition, "run": setting.run}
+    run = learned(setting, context)
+    if run is None:
+        played = [(task, 0, _played(task, setting, None, context)) for task in _all_tasks(setting)]
+    else:
+        played = [
+            (setting.task, int(row["iteration"]) * setting.episodes, float(row["test_reward"]))
+            for row in metrics_of(run.folder)
+        ]
+        total = setting.iterations * setting.episodes
+        played += [(task, total, _played(task, setting, run, context)) for task in _others(setting)]
+    return [
+        {**head, "played": task, "episodes": episodes, "reward": reward} for task, episodes, reward in played
+    ]
+
+
+def _all_tasks(setting: LearningSetting) -> Iterator[str]:
+    yield setting.task
+    yield from _others(setting)
+
+
+def _others(setting: LearningSetting) -> tuple[str, ...]:
+    return LARGER[: setting.others]
+
+
+def _played(task: str, setting: LearningSetting, run: RunInFolder | None, context: Context) -> float:
+    env = task_named(task).make()
+    seed = stream(seed_sequence(context.seed), _TESTS, setting.run)
+    policy = _hand_made(env, setting.condition) if run is None else learned_policy(run.folder, env)
+    rewards = rollout(env, policy, setting.tests, seed).episode_rewards
+    return float(np.mean(rewards))
+
+
+def _hand_made(env: gymnasium.Env[Any, Any], name: str) -> Policy:
+    return cast("WorldEnv", env.unwrapped).policies[name]
+
+
+def _seed_of(condition: str, seed: int) -> int:
+    """Return the seed of a condition: an integer, so that ``relforest learn --seed`` can repeat its runs."""
+    number = list(LEARNERS).index(condition)
+    return int(stream(seed_sequence(seed), number).generate_state(1, np.uint32)[0])

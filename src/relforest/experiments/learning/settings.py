@@ -1,0 +1,134 @@
+"""The learners and hand-made policies of each task, and what the better learner must reach."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, final
+
+from relforest.experiments.tasks import MethodName
+
+KEEPAWAY: Final = "keepaway"
+TOWERS: Final = "high-towers"
+COLORS: Final = "color-grouping"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LearningSetting:
+    """One run of a learner, or one hand-made policy.
+
+    Parameters
+    ----------
+    task : str
+        Where it learns, a key of `relforest.experiments.tasks.TASKS`.
+    condition : str
+        A key of `LEARNERS`, or the name of a policy of the world.
+    run : int
+        Number of the run.
+    runs : int
+        Runs of the learner.
+    episodes : int
+        Training episodes per iteration; 0 for a hand-made policy.
+    iterations : int
+    tests : int
+        Test episodes after each iteration, and in every other task.
+    others : int
+        How many of `LARGER` are played without any more learning in the end.
+    """
+
+    task: str
+    condition: str
+    run: int
+    runs: int
+    episodes: int
+    iterations: int
+    tests: int
+    others: int = 0
+
+    def __str__(self) -> str:
+        """Return condition, task and number."""
+        return f"{self.condition} in {self.task}, run {self.run}"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LearnerChoice:
+    """A learner under one condition."""
+
+    method: MethodName
+    discount: float | None = None
+
+
+LEARNERS: Final[Mapping[str, LearnerChoice]] = {
+    "smrf-q": LearnerChoice("smrf-q"),
+    "cmac-sarsa": LearnerChoice("cmac-sarsa"),
+    "rbf-sarsa": LearnerChoice("rbf-sarsa"),
+    "smrf-rpi, 50 episodes": LearnerChoice("smrf-rpi"),
+    "smrf-rpi, 500 episodes": LearnerChoice("smrf-rpi"),
+    "smrf-rpi, 50 episodes, discount .99": LearnerChoice("smrf-rpi", 0.99),
+    "smrf-rpi, 500 episodes, discount .99": LearnerChoice("smrf-rpi", 0.99),
+}
+"""Condition -> what learns; the order gives each condition its seed."""
+
+OURS: Final = "smrf-q"
+SARSA: Final = "cmac-sarsa"
+LARGER: Final = ("keepaway-4v3", "keepaway-5v4", "keepaway-6v5")
+HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLORS: "manual"}
+"""Task -> the policy to beat."""
+
+N_RUNS: Final = 10
+_TESTS: Final = 200
+_HAND_TESTS: Final = 2000
+_BATCH: Final = 100
+
+
+def _runs(
+    task: str, condition: str, episodes: int, iterations: int, *, runs: int = N_RUNS, tests: int = _TESTS
+) -> tuple[LearningSetting, ...]:
+    others = len(LARGER) if (task, condition) == (KEEPAWAY, OURS) else 0
+    return tuple(
+        LearningSetting(task, condition, run, runs, episodes, iterations, tests, others)
+        for run in range(runs)
+    )
+
+
+def _hand_made(task: str, *policies: str, tests: int = _HAND_TESTS) -> tuple[LearningSetting, ...]:
+    others = len(LARGER) if task == KEEPAWAY else 0
+    return tuple(LearningSetting(task, name, 0, 1, 0, 0, tests, others) for name in policies)
+
+
+SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
+    KEEPAWAY: (
+        *_hand_made(KEEPAWAY, "hand", "random"),
+        *_runs(KEEPAWAY, OURS, _BATCH, 10),
+        *_runs(KEEPAWAY, SARSA, 1000, 6),
+        *_runs(KEEPAWAY, "rbf-sarsa", 1000, 6),
+        *(
+            setting
+            for size, count in ((50, 20), (500, 2))
+            for discount in ("", ", discount .99")
+            for setting in _runs(KEEPAWAY, f"smrf-rpi, {size} episodes{discount}", size, count, runs=5)
+        ),
+    ),
+    TOWERS: (*_hand_made(TOWERS, "large-first", "random"), *_runs(TOWERS, OURS, _BATCH, 10)),
+    COLORS: (*_hand_made(COLORS, "manual", "random"), *_runs(COLORS, OURS, _BATCH, 10)),
+}
+SMOKE: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
+    task: (
+        *(LearningSetting(task, HAND[task], 0, 1, 0, 0, 5, int(task == KEEPAWAY)),),
+        *(LearningSetting(task, OURS, run, 2, 20, 2, 5, int(task == KEEPAWAY)) for run in range(2)),
+    )
+    for task in (KEEPAWAY, TOWERS, COLORS)
+}
+
+GOALS: Final[Mapping[str, Mapping[int, float]]] = {
+    KEEPAWAY: {500: 172.0, 1000: 182.0},
+    TOWERS: {100: 5.7, 500: 8.0},
+    COLORS: {500: 0.83},
+}
+"""Task -> training episodes -> the mean reward that `OURS` must reach."""
+LEAST: Final[Mapping[str, tuple[int, float]]] = {KEEPAWAY: (500, 155.0)}
+"""Task -> training episodes, and what every run must reach by then."""
+TRANSFER: Final[Mapping[str, float]] = {"keepaway-4v3": 95.0}
+"""Task -> what must be reached there without learning."""
