@@ -109,8 +109,8 @@ class Screened:
     In each round the scenes are drawn anew from those that the leaf decides, as many of each class as
     possible: what other leaves decide, they explain already, and to find it again would be no gain. A
     question whose scenes all hold the same points cannot separate anything, and is skipped; so is one that
-    has the same points as another. What counts is the p-value of the gain in log likelihood that the volume
-    has on the scenes drawn, extrapolated to all of them.
+    has the same points as another, be it only that new variables change places. What counts is the p-value of
+    the gain in log likelihood that the volume has on the scenes drawn, extrapolated to all of them.
 
     The questions that stay are aggregated on all scenes that arrive: once, and unless none of them comes near
     the level, `attempts` times each, and the best of them `attempts` - 1 times more; those with very many
@@ -215,16 +215,23 @@ class Screened:
         most = max((expansion.n_new for expansion in expansions), default=-1)
         few = arrivals.only(drawn).drawn(most, plan.max_points, rng)
         asked: dict[tuple[int, tuple[int, ...]], Sequences] = {}
+        has_points: dict[Expansion, bool] = {}
+        first_new = max(arrivals.sequences.depth, arrivals.places.shape[1])
         seen: set[int] = set()
         ranked: list[tuple[float, float, int]] = []
         n_questions = 0
         for number, expansion in enumerate(expansions):
             report("expansions tried", number, len(expansions))
-            mapping, key = expansion.mapping, (expansion.n_new, expansion.variables)
+            mapping, pattern = expansion.mapping, expansion.pattern(first_new)
+            if pattern in has_points:
+                n_questions += has_points[pattern]
+                continue
+            key = (expansion.n_new, expansion.variables)
             if key not in asked:
                 asked[key] = few[expansion.n_new].distinct(expansion.variables)
             bags = bags_of(arrivals.scenes, asked[key], mapping)
-            n_questions += int(len(bags.points) > 0)
+            has_points[pattern] = len(bags.points) > 0
+            n_questions += has_points[pattern]
             parts = (bags.points, bags.starts, bags.scenes)
             points = hash((mapping.space, *(part.tobytes() for part in parts)))
             if points in seen or not bags.differ:
