@@ -8,7 +8,7 @@ from itertools import permutations
 import pytest
 
 from relforest.mappings import Mapping, catalogue
-from relforest.trees.expansions import expansions
+from relforest.trees.expansions import Expansion, expansions
 from small_trees import plane
 
 ALL = catalogue(plane())
@@ -103,6 +103,26 @@ def test_the_same_question_is_never_asked_with_superfluous_variables() -> None:
     found = [(each.mapping.name, each.variables) for each in expansions(ALL, 0, 2)]
 
     assert len(found) == len(set(found))
+
+
+def test_questions_that_exchange_new_variables_have_one_pattern() -> None:
+    found = list(expansions(ALL, 2, 0))
+    by_pattern: dict[Expansion, list[str]] = {}
+    for each in found:
+        by_pattern.setdefault(each.pattern(2), []).append("".join("ABCDE"[v] for v in each.variables))
+
+    # Of the frames of A, C and D, those with C and D in either order; of C, D and E, all.
+    reframes = [names for pattern, names in by_pattern.items() if pattern.mapping.name == "reframe(location)"]
+    assert [names for names in reframes if set(names[0]) == set("ACD")] == [
+        ["ACD", "ADC"],
+        ["CAD", "DAC"],
+        ["CDA", "DCA"],
+    ]
+    assert [len(names) for names in reframes if set(names[0]) == set("CDE")] == [6]
+    # Variables that are bound are different objects of a sequence, which earlier answers tell apart.
+    assert [names for names in reframes if set(names[0]) == set("ABC")] == [
+        [order] for order in ("ABC", "ACB", "BAC", "BCA", "CAB", "CBA")
+    ]
 
 
 def test_without_mappings_there_is_nothing_to_ask() -> None:

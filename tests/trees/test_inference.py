@@ -14,6 +14,7 @@ from interpreted import compiled_only
 from relforest.scenes import Scenes
 from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Tree, query
+from relforest.trees.boxes import FEWEST
 from relforest.trees.kernels import (
     BEST_PATH,
     PAUSE,
@@ -104,6 +105,9 @@ def test_no_scenes_get_no_answers(n_jobs: int) -> None:
 
     assert answers.leaf.shape == (0,)
     assert answers.densities.shape == (0, 1)
+    # None chosen of many objects, which boxes would search.
+    crowd = scenes_in(SCHEMA, [[(float(i), 0.0) for i in range(2 * FEWEST)]])
+    assert query(near_tree(SCHEMA), crowd.take([]), n_jobs=n_jobs).leaf.shape == (0,)
 
 
 def test_a_stub_binds_nothing() -> None:

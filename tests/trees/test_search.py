@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from relforest.trees.search import SEARCHES, Exhaustive, Round, Screened, strati
 from relforest.trees.sequences import Sequences, argument_places
 from relforest.trees.settings import SearchName
 from relforest.trees.structure import MAX_VARIABLES
-from relforest.volumes import CovAggSettings
+from relforest.volumes import Aggregation, CovAggSettings, aggregate
 from small_trees import NOWHERE, Place, plane, scenes_in
 
 Booleans = NDArray[np.bool_]
@@ -246,6 +247,44 @@ def test_questions_with_the_same_points_are_screened_once() -> None:
     assert [expansion.variables for expansion in kept] == [(0,)]
     # But both are counted.
     assert n_questions == 2
+
+
+def test_questions_that_exchange_new_objects_are_screened_once() -> None:
+    rng = np.random.default_rng(0)
+    n = 8
+    scenes = scenes_in(plane(operations=("reframe",)), rng.uniform(size=(n, 3, 2)).tolist())
+    labels, presence = np.arange(n) % 2 == 0, np.ones((1, n), dtype=np.bool_)
+    target = Target.binary(labels)
+    at = OpenLeaf(Tree.stub(scenes.schema, Leaf(0.0, 0, 0)), 0, presence, target.assign(presence))
+    leaf = Screened.at(arrivals_at_root(scenes), TreeSettings(), rng)
+    kept, n_questions = leaf.screened(target, at, rng)
+
+    # The six orders of three new objects ask the same, but all are counted.
+    assert [expansion.variables for expansion in kept] == [(0, 1, 2)]
+    assert n_questions == 6
+
+
+def test_a_hopeless_leaf_costs_one_try_for_each_promising_question(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(0)
+    n, n_aggregated = 20, 0
+    places = rng.uniform(0, 9, size=(n, 3, 2))
+    scenes = scenes_in(
+        plane(operations=("identity", "difference", "reframe", "scaled_reframe")), places.tolist()
+    )
+
+    def counted(*args: Any, **options: Any) -> Aggregation | None:
+        nonlocal n_aggregated
+        n_aggregated += 1
+        return aggregate(*args, **options)
+
+    monkeypatch.setattr("relforest.trees.search.aggregate", counted)
+    gap = np.linalg.norm(places[:, 0] - places[:, 1], axis=1)
+    # Four questions differ; all are tried thrice, and the best twice more. A single positive scene can add no
+    # more than 4 to the likelihood, whose p-value is .24.
+    for labels, n_tries in [(gap < np.median(gap), 4 * 3 + 2), (np.arange(n) == 0, 4)]:
+        n_aggregated = 0
+        assert search(scenes, labels, "screened", attempts=3) is not None
+        assert n_aggregated == n_tries
 
 
 def test_too_many_sequences_are_sampled_or_left_out() -> None:

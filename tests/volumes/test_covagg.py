@@ -14,6 +14,7 @@ from scipy.special import xlogy
 
 from relforest.support.errors import InputError
 from relforest.volumes import Aggregation, Arc, CovAggSettings, Ellipsoid, Objective, aggregate
+from relforest.volumes.covagg import prior_of
 from strategies import BagSet, bag_sets
 
 Floats = NDArray[np.float64]
@@ -488,3 +489,12 @@ def test_bad_bags_are_refused(points: Floats, starts: list[int], labels: list[bo
 def test_unknown_spaces_and_objectives_are_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         aggregate(*single([(0, 0), (1, 1)], [1, 0]), rng=np.random.default_rng(0), **options)
+
+
+@given(bag_sets())
+def test_the_prior_is_the_covariance_of_all_positive_points(bags: BagSet) -> None:
+    chosen = bags.points[np.repeat(bags.labels, np.diff(bags.starts))]
+    expected = 0.1 * np.atleast_2d(np.cov(chosen, rowvar=False, bias=True))
+    found = prior_of(*bags, 0.1)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * (1.0 + np.abs(chosen).max() ** 2))
+    np.testing.assert_array_equal(found, found.T)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from relforest.volumes.bag_layout import SlotMajor, slot_major
+from relforest.volumes.bag_layout import NO_EVIDENCE, Instances, SlotMajor, slot_major
 from relforest.volumes.low_rank import low_rank_distances, low_rank_metric, low_rank_nearest
 
 Floats = NDArray[np.float64]
@@ -17,7 +17,9 @@ def layout(rng: np.random.Generator, points: Floats) -> tuple[SlotMajor, NDArray
     sizes = np.sort(rng.integers(1, 5, size=len(points)))[::-1]
     sizes = sizes[np.cumsum(sizes) <= len(points)]
     starts = np.concatenate([[0], np.cumsum(sizes)])
-    return slot_major(points[: starts[-1]], starts, np.ones(len(sizes), dtype=np.bool_))[0], starts
+    return slot_major(
+        Instances(points[: starts[-1]], starts, np.ones(len(sizes), dtype=np.bool_), NO_EVIDENCE)
+    )[0], starts
 
 
 def metric_of(variances: Floats, steps: Floats) -> Floats:

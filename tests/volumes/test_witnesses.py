@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from numpy.typing import NDArray
 
-from relforest.volumes.bag_layout import SlotMajor, slot_major
+from relforest.volumes.bag_layout import NO_EVIDENCE, Instances, SlotMajor, slot_major
 from relforest.volumes.conditioning import whiten
 from relforest.volumes.witnesses import (
     CIRCLE,
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 def layout(bags: BagSet) -> tuple[SlotMajor, NDArray[np.int64]]:
-    return slot_major(bags.points, bags.starts, bags.labels)
+    return slot_major(Instances(bags.points, bags.starts, bags.labels, NO_EVIDENCE))
 
 
 def contents(bags: BagSet) -> list[Floats]:
@@ -53,7 +53,7 @@ def test_the_layout_holds_the_same_bags_largest_first(bags: BagSet) -> None:
     assert order[positives].tolist() == np.flatnonzero(bags.labels).tolist()
     assert made.evidence.shape == (2, 0)
     evidence = np.arange(2.0 * len(order)).reshape(-1, 2)
-    weighed, _ = slot_major(bags.points, bags.starts, bags.labels, evidence)
+    weighed, _ = slot_major(Instances(bags.points, bags.starts, bags.labels, evidence))
     np.testing.assert_array_equal(weighed.evidence, evidence[order].T)
 
 

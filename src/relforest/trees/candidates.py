@@ -204,19 +204,19 @@ class OpenLeaf:
     def below(self, question: PreparedQuestion, volume: Volume) -> NDArray[np.bool_]:
         """Which scenes arrive at the Yes, No and Error leaf of a question here, (3, n_scenes).
 
-        The tree is queried, which takes no memory: once for each of the three leaves, as if that leaf were
-        the most probable one.
+        Where the question's sequences do not show an answer, the tree is queried, which takes no memory: once
+        for each of the three leaves, as if that leaf were the most probable one.
         """
         expansion = question.expansion
         node = Question(expansion.mapping, expansion.variables, volume, 0, 0, 0)
         grown = self.tree.expanded(self.leaf, expansion.n_new, node)
-        here = np.flatnonzero(self.presence[self.leaf])
-        scenes = question.scenes.take(here)
-        present = np.zeros((3, len(question.scenes)), dtype=np.bool_)
+        present = question.presence(volume)
         for answer in range(3):
             sought = self.leaf + answer
+            unsure = np.flatnonzero(self.presence[self.leaf] & ~present[answer])
             leaves = [Leaf(float(leaf == sought), 0, 0) for leaf in range(grown.n_leaves)]
-            present[answer, here] = query(grown.with_leaves(leaves), scenes).leaf == sought
+            found = query(grown.with_leaves(leaves), question.scenes.take(unsure)).leaf
+            present[answer, unsure] = found == sought
         return present
 
     def judged(

@@ -225,7 +225,7 @@ class SMRFTreeClassifier(ClassifierMixin, _SceneTree):  # type: ignore[misc]  # 
     >>> model = SMRFTreeClassifier(random_state=0).fit(scenes, close)
     >>> print(model.tree_)
     SMRF tree with 1 question and 3 leaves
-    there are A and B such that B is within 3.07 of A
+    there are A and B such that B is within 3.13 of A
         yes: 1.00  (36 of 36 scenes positive)
         no: 0.00  (0 of 24 scenes positive)
     """

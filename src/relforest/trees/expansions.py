@@ -18,6 +18,13 @@ class Expansion(NamedTuple):
     mapping: Mapping
     variables: tuple[int, ...]  # that the mapping takes, in order
 
+    def pattern(self, first_new: int) -> Expansion:
+        """Return what it has in common with those that only exchange variables from `first_new` on.
+
+        New variables go through the same objects, so to exchange them is to ask the same of every scene.
+        """
+        return self._replace(variables=tuple(min(variable, first_new) for variable in self.variables))
+
 
 def expansions(mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int) -> Iterator[Expansion]:
     """Yield all expansions of a leaf that can lead to different volumes, fewest new variables first.

@@ -73,7 +73,7 @@ def query(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> Answers:
     )
 
     # No scene has more objects than there are rows, and this is cheaper to see.
-    largest = int(scenes.counts.max()) if packed.boxed[0] > 0 and len(scenes.rows) > FEWEST else 0
+    largest = int(scenes.counts.max(initial=0)) if packed.boxed[0] > 0 and len(scenes.rows) > FEWEST else 0
     interrupted = Event()
 
     def answer(begin: int, end: int) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from relforest.support.jit import inlined, kernel
-from relforest.volumes.bag_layout import SlotMajor
+from relforest.volumes.bag_layout import Instances, SlotMajor, slot_major
 from relforest.volumes.cuts import Buckets, best_cut, best_weighted_cut, new_buckets, radius_at
 from relforest.volumes.low_rank import low_rank_distances, low_rank_nearest
 from relforest.volumes.models import (
@@ -42,11 +42,15 @@ class Problem(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Best model of all restarts, in row `BEST` of `models`."""
+    """The best model; little of it, since every array that leaves compiled code costs a microsecond."""
 
-    models: Models
+    score: float
+    n_keys: int
+    total: NDArray[np.float64]  # (d,) sum of the keys; on the circle (2,), of cosines and sines
+    centre: NDArray[np.float64]  # (d,)
+    scatter: NDArray[np.float64]  # (d, d) ncov of eq. 3.4
     radius: float
-    n_models: int
+    n_models: int  # tried
 
 
 class Dice(NamedTuple):
@@ -57,10 +61,9 @@ class Dice(NamedTuple):
 
 
 @kernel
-def aggregate_keys(
-    bags: SlotMajor, positives: NDArray[np.int64], problem: Problem, draws: NDArray[np.float64]
-) -> Found:
-    """Run all restarts; `positives` are the positive bags in the caller's order."""
+def aggregate_keys(instances: Instances, problem: Problem, draws: NDArray[np.float64]) -> Found:
+    """Run all restarts with uniform numbers as needed, at most 1 + M p for each, with p positive bags."""
+    bags, positives = slot_major(instances)
     models = new_models(problem.space, bags.points.shape[0], len(bags.weights))
     buckets = new_buckets(len(bags.weights))
     dice = Dice(draws, np.zeros(1, dtype=np.int64))
@@ -92,7 +95,21 @@ def aggregate_keys(
             recent = history[max(0, steps + 1 - window) : steps + 1]
             if steps >= window and not has_prospects(recent, n_remaining, models.numbers[BEST, SCORE]):
                 break
-    return Found(models, radius, n_models)
+    return found_best(models, radius, n_models)
+
+
+@kernel
+def found_best(models: Models, radius: float, n_models: int) -> Found:
+    """Return what row `BEST` holds."""
+    return Found(
+        models.numbers[BEST, SCORE],
+        int(models.numbers[BEST, COUNT]),
+        models.sums[BEST].copy(),
+        models.centres[BEST].copy(),
+        models.scatters[BEST].copy(),
+        radius,
+        n_models,
+    )
 
 
 @kernel

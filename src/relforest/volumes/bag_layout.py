@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_NONE: Final = np.empty((0, 2))
+NO_EVIDENCE: Final = np.empty((0, 2))
+"""Of bags that are only counted."""
 
 
 class SlotMajor(NamedTuple):
@@ -28,26 +29,19 @@ class SlotMajor(NamedTuple):
     evidence: NDArray[np.float64]  # (2, n_bags) see `aggregate`; (2, 0) if there is none
 
 
-def slot_major(
-    points: NDArray[np.float64],
-    starts: NDArray[np.int64],
-    labels: NDArray[np.bool_],
-    evidence: NDArray[np.float64] = _NONE,
-) -> tuple[SlotMajor, NDArray[np.int64]]:
-    """Rearrange instances (n_points, d), grouped by bag from `starts` (n_bags + 1,).
+class Instances(NamedTuple):
+    """Labelled bags as the caller has them."""
 
-    Returns the layout and its numbers of the positive bags, in the caller's order.
-    """
-    return _layout(points, starts, labels, evidence)
+    points: NDArray[np.float64]  # (n_points, d) grouped by bag
+    starts: NDArray[np.int64]  # (n_bags + 1,)
+    labels: NDArray[np.bool_]  # (n_bags,)
+    evidence: NDArray[np.float64]  # (n_bags, 2) or `NO_EVIDENCE`
 
 
 @kernel
-def _layout(
-    points: NDArray[np.float64],
-    starts: NDArray[np.int64],
-    labels: NDArray[np.bool_],
-    evidence: NDArray[np.float64],
-) -> tuple[SlotMajor, NDArray[np.int64]]:
+def slot_major(instances: Instances) -> tuple[SlotMajor, NDArray[np.int64]]:
+    """Rearrange instances; return the layout and its numbers of the positive bags, in the caller's order."""
+    points, starts, labels, evidence = instances
     n_bags, n_slots = len(labels), 0
     for bag in range(n_bags):
         n_slots = max(n_slots, starts[bag + 1] - starts[bag])

@@ -12,12 +12,12 @@ from relforest.support.jit import kernel
 from relforest.support.options import one_of
 from relforest.volumes.aggregation import Found, Problem, aggregate_keys
 from relforest.volumes.arc import Arc
-from relforest.volumes.bag_layout import slot_major
+from relforest.volumes.bag_layout import NO_EVIDENCE, Instances
 from relforest.volumes.categories import best_category, category_volume
 from relforest.volumes.conditioning import condition
 from relforest.volumes.diverse_density import diverse_density_keys
 from relforest.volumes.ellipsoid import Ellipsoid
-from relforest.volumes.models import BEST, COUNT, FEW_DIMENSIONS, SCORE
+from relforest.volumes.models import FEW_DIMENSIONS
 from relforest.volumes.objectives import OBJECTIVES, WEIGHTED, Objective, entropy_table
 from relforest.volumes.principal_axes import PrincipalAxes, principal_axes
 from relforest.volumes.settings import CovAggSettings
@@ -129,18 +129,17 @@ def aggregate(
 
 def _arc(found: Found, angles: NDArray[np.float64], settings: CovAggSettings) -> Arc:
     """Return the arc found; `angles` (n, 1) are those of positive bags."""
-    models, n_keys = found.models, int(found.models.numbers[BEST, COUNT])
-    kappa = _concentration(models.sums[BEST] / n_keys, angles, n_keys, settings.prior_weight)
-    return Arc(float(models.centres[BEST, 0]), found.radius, kappa)
+    kappa = _concentration(found.total / found.n_keys, angles, found.n_keys, settings.prior_weight)
+    return Arc(float(found.centre[0]), found.radius, kappa)
 
 
 def _ellipsoid(searched: _Searched, settings: CovAggSettings) -> Ellipsoid:
-    models, n_keys = searched.found.models, int(searched.found.models.numbers[BEST, COUNT])
-    mean, covariance = models.centres[BEST].copy(), models.scatters[BEST] + searched.prior
+    found = searched.found
+    mean, covariance = found.centre, found.scatter + searched.prior
     condition(covariance, settings.max_condition)
     if searched.turned is not None:
         mean, covariance = searched.turned.back(mean, covariance)
-    return Ellipsoid(mean, covariance, searched.found.radius, n_keys, float(settings.prior_weight))
+    return Ellipsoid(mean, covariance, found.radius, found.n_keys, float(settings.prior_weight))
 
 
 def best_score(
@@ -173,7 +172,7 @@ class _Searched(NamedTuple):
 
     @property
     def score(self) -> float:
-        return float(self.found.models.numbers[BEST, SCORE])
+        return self.found.score
 
 
 def _search(
@@ -198,32 +197,31 @@ def _search(
         best = max(found, key=lambda one: one.score)
         return best._replace(n_models=sum(one.n_models for one in found))
     is_diagonal = settings.shape == "diagonal" and dim > 1
-    positive_points = _of_positives(points, starts, labels)
-    # A rotation would make other matrices diagonal.
-    turned = principal_axes(points, positive_points) if dim > FEW_DIMENSIONS and not is_diagonal else None
-    if turned is not None:
-        points, prior = turned.coordinates, np.diag(settings.prior_weight * turned.variances)
+    turned = None
+    if circular:  # which has no covariance
+        prior = np.zeros((1, 1))
     elif is_diagonal:
-        prior = np.diag(settings.prior_weight * positive_points.var(axis=0))
+        prior = np.diag(settings.prior_weight * _of_positives(points, starts, labels).var(axis=0))
+    elif dim > FEW_DIMENSIONS:  # a rotation would make other matrices diagonal
+        turned = principal_axes(points, _of_positives(points, starts, labels))
+        points, prior = turned.coordinates, np.diag(settings.prior_weight * turned.variances)
     else:
-        prior = settings.prior_weight * _spread(positive_points, circular=circular)
+        prior = prior_of(points, starts, labels, settings.prior_weight)
     code = CIRCLE if circular else DIAGONAL if is_diagonal else EUCLIDEAN
     plan = (settings.window, settings.restarts, settings.sampled)
     table = entropy_table(len(labels))
     problem = Problem(code, OBJECTIVES[objective], prior, float(settings.max_condition), table, plan)
     most_sampled = min(settings.sampled, n_positive)
     draws = rng.random(min(settings.restarts, n_positive) * (1 + most_sampled * n_positive))
-    if evidence is None:
-        layout, positives = slot_major(points, starts, labels)
-    else:
-        layout, positives = slot_major(points, starts, labels, evidence)
+    instances = Instances(points, starts, labels, NO_EVIDENCE if evidence is None else evidence)
     if settings.learner == "covagg":
-        found_keys = aggregate_keys(layout, positives, problem, draws)
+        found_keys = aggregate_keys(instances, problem, draws)
     else:
         sharpness = settings.prior_weight
         if circular:
-            sharpness = 0.5 / max(_circular_variance(positive_points), 1e-12)
-        found_keys = diverse_density_keys(layout, positives, problem, sharpness, draws)
+            angles = _of_positives(points, starts, labels)
+            sharpness = 0.5 / max(_circular_variance(angles), 1e-12)
+        found_keys = diverse_density_keys(instances, problem, sharpness, draws)
     return _Searched(found_keys, prior, turned, found_keys.n_models)
 
 
@@ -258,14 +256,27 @@ def _check_evidence(evidence: NDArray[np.float64] | None, n_bags: int, objective
         )
 
 
-def _spread(points: NDArray[np.float64], *, circular: bool) -> NDArray[np.float64]:
-    """``ncov(P) / p`` of eq. 3.5; the circle has no covariance."""
-    if circular:
-        return np.zeros((1, 1))
-    # NumPy is slow only at means of short rows; both add in the same order.
-    centred = points - (points.mean(axis=0) if points.shape[1] == 1 else _mean(points))
-    spread: NDArray[np.float64] = centred.T @ centred / len(points)
-    return spread
+@kernel
+def prior_of(
+    points: NDArray[np.float64], starts: NDArray[np.int64], labels: NDArray[np.bool_], weight: float
+) -> NDArray[np.float64]:
+    """``w ncov(P) / p`` of eq. 3.5, where P are the points of positive bags."""
+    chosen = _of_positives(points, starts, labels)
+    n, dim = chosen.shape
+    mean, prior = np.zeros(dim), np.zeros((dim, dim))
+    for row in range(n):
+        for i in range(dim):
+            mean[i] += chosen[row, i]
+    mean /= n
+    for row in range(n):
+        for i in range(dim):
+            for j in range(i + 1):
+                prior[i, j] += (chosen[row, i] - mean[i]) * (chosen[row, j] - mean[j])
+    for i in range(dim):
+        for j in range(i + 1):
+            prior[i, j] = weight * (prior[i, j] / n)
+            prior[j, i] = prior[i, j]
+    return prior
 
 
 @kernel
@@ -285,15 +296,6 @@ def _of_positives(
                     chosen[n, i] = points[place, i]
                 n += 1
     return chosen
-
-
-@kernel
-def _mean(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    total = np.zeros(points.shape[1])
-    for row in range(len(points)):
-        for i in range(points.shape[1]):
-            total[i] += points[row, i]
-    return total / len(points)
 
 
 def _concentration(

@@ -15,8 +15,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from relforest.support.jit import kernel
-from relforest.volumes.aggregation import Dice, Found, Problem, draw_below, measure, witness_column
-from relforest.volumes.bag_layout import SlotMajor
+from relforest.volumes.aggregation import (
+    Dice,
+    Found,
+    Problem,
+    draw_below,
+    found_best,
+    measure,
+    witness_column,
+)
+from relforest.volumes.bag_layout import Instances, SlotMajor, slot_major
 from relforest.volumes.cuts import radius_at
 from relforest.volumes.models import (
     BEST,
@@ -43,17 +51,14 @@ _MOST_ROUNDS: Final = 50
 
 @kernel
 def diverse_density_keys(
-    bags: SlotMajor,
-    positives: NDArray[np.int64],
-    problem: Problem,
-    sharpness: float,
-    draws: NDArray[np.float64],
+    instances: Instances, problem: Problem, sharpness: float, draws: NDArray[np.float64]
 ) -> Found:
     """Learn a volume; the parameters are those of `aggregate_keys`.
 
     N positive bags are drawn, and the M best of their points refined. ``sharpness`` times the squared
     distance from a single key point is that in units of the covariance of all points in positive bags.
     """
+    bags, positives = slot_major(instances)
     models = new_models(problem.space, bags.points.shape[0], len(bags.weights))
     sides = _sides(bags, problem.objective)
     _, n_drawn, n_refined = problem.plan
@@ -76,7 +81,7 @@ def diverse_density_keys(
             models.numbers[CURRENT, SCORE] = _score(bags, problem, models.squared[CURRENT], edge)
             copy_model(models, CURRENT, BEST)
     radius = radius_at(models.numbers[BEST, EDGE], models.squared[BEST])
-    return Found(models, radius, len(columns) + len(ranking))
+    return found_best(models, radius, len(columns) + len(ranking))
 
 
 @kernel
