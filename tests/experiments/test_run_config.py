@@ -30,7 +30,7 @@ from relforest.support.errors import InputError
         ),
         (
             {"method": "guess"},
-            "method must be one of 'smrf-rpi', 'cmac-sarsa', .*'rbf-sarsa', got",
+            "method must be one of 'smrf-rpi', 'smrf-q', 'cmac-sarsa', .*'rbf-sarsa', got",
         ),
         ({"discount": 2.0}, "discount must be a number of at least 0 and of at most 1, got 2.0"),
         ({"rpi": {"epsilon": 0.1}}, r"rpi must be RPISettings\(...\), got {'epsilon': 0.1}"),
@@ -43,7 +43,7 @@ from relforest.support.errors import InputError
             {"task": "keepaway", "method": "cmac-sarsa", "rpi": RPISettings()},
             "rpi is not an option of cmac",
         ),
-        ({"method": "cmac-sarsa"}, "the method for corridor must be one of 'smrf-rpi', got 'cmac-sarsa'"),
+        ({"method": "cmac-sarsa"}, "the method for corridor must be one of 'smrf-rpi', 'smrf-q', got"),
     ],
 )
 def test_options_out_of_range_are_named(options: dict[str, Any], message: str) -> None:

@@ -28,7 +28,13 @@ _LEARNING: Final[ReadOnly[str, tuple[str, str]]] = {
     "high-towers-learning": ("TOWERS", "How many episodes do learners need to build high towers?"),
     "color-learning": ("COLORS", "How many episodes do learners need to group blocks by color?"),
 }
-"""Studies of one package that differ in their task: name -> name in its module, and question."""
+"""Studies of the package ``learning``, one for each task: name -> name in its module, and question."""
+
+_PLACES: Final[ReadOnly[str, tuple[str, str]]] = {
+    **{name: (name, "STUDY") for name in _PACKAGES},
+    **{name: ("learning", constant) for name, (constant, _) in _LEARNING.items()},
+}
+"""Name of a study -> its package, and its name there."""
 
 
 def question_of(name: str) -> str:
@@ -46,21 +52,19 @@ class _Studies(ReadOnly[str, "Study[Any]"]):
     """Studies that are loaded when they are asked for."""
 
     def __getitem__(self, name: str) -> Study[Any]:
-        """Load a study; `KeyError` if there is none of this name."""
-        if name not in (*_PACKAGES, *_LEARNING):
-            raise KeyError(name)
-        own, constant = ("learning", _LEARNING[name][0]) if name in _LEARNING else (name, "STUDY")
-        module = import_module(f"relforest.experiments.{own}.analysis")
+        """Load a study."""
+        package, constant = _PLACES[name]
+        module = import_module(f"relforest.experiments.{package}.analysis")
         study: Study[Any] = getattr(module, constant)
         return study
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
-        return iter((*_PACKAGES, *_LEARNING))
+        return iter(_PLACES)
 
     def __len__(self) -> int:
         """Return the number of studies."""
-        return len(_PACKAGES) + len(_LEARNING)
+        return len(_PLACES)
 
 
 STUDIES: Final[ReadOnly[str, Study[Any]]] = _Studies()

@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from relforest.experiments.learning import settings
+from relforest.experiments.learning.analysis import figures, interquartile_mean, interval, summarize
+from relforest.experiments.registry import STUDIES
+from relforest.experiments.sheets import Span
+from relforest.experiments.table import Row, Table
+from relforest.experiments.tasks import TASKS
+
+
+def rows(condition: str, played: str, rewards: dict[int, list[float]]) -> list[Row]:
+    return [
+        {
+            "task": "keepaway",
+            "condition": condition,
+            "run": run,
+            "played": played,
+            "episodes": episodes,
+            "reward": reward,
+        }
+        for episodes, values in rewards.items()
+        for run, reward in enumerate(values)
+    ]
+
+
+def table() -> Table:
+    ours = rows("smrf-q", "keepaway", {0: [58.0] * 4, 500: [150.0, 180.0, 190.0, 200.0], 1000: [185.0] * 4})
+    there = rows("smrf-q", "keepaway-4v3", {1000: [90.0, 96.0]})
+    hand = [*rows("hand", "keepaway", {0: [165.0]}), *rows("hand", "keepaway-4v3", {0: [79.0]})]
+    return Table.of([*ours, *there, *hand])
+
+
+def test_the_interquartile_mean_leaves_out_both_ends() -> None:
+    assert interquartile_mean(np.array([-100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1000.0])) == 3.5
+
+
+def test_the_interval_covers_the_mean_and_needs_three_values() -> None:
+    found = interval(np.arange(20.0))
+    assert isinstance(found, Span)
+    assert found.low < 9.5 < found.high
+    assert interval(np.array([1.0, 2.0])) is None
+
+
+def test_claims_are_about_means_and_the_worst_run() -> None:
+    verdicts = {claim.name: claim.verdict for claim in summarize("keepaway", table()).claims}
+    assert verdicts == {
+        "smrf-q: mean reward after 500 episodes": "met",
+        "smrf-q: mean reward after 1000 episodes": "met",
+        "smrf-q: least reward of a run after 500 episodes": "MISSED",
+        "smrf-q: least reward of a run after 1000 episodes, bound: hand-coded": "met",
+        "smrf-q: mean reward in keepaway-4v3 without learning there": "MISSED",
+    }
+
+
+def test_every_learner_and_policy_has_a_line() -> None:
+    (axes,) = figures("keepaway", table())["learning.png"].axes
+    assert axes.get_lines()[0].get_label() == "smrf-q"
+    assert len(axes.get_lines()) == 2
+
+
+@pytest.mark.parametrize("task", settings.SETTINGS)
+def test_settings_are_about_tasks_and_methods_that_exist(task: str) -> None:
+    for setting in (*settings.SETTINGS[task], *settings.SMOKE[task]):
+        assert setting.task in TASKS
+        if setting.episodes:
+            assert settings.LEARNERS[setting.condition].method in TASKS[task].pictures
+    assert set(settings.LARGER) <= set(TASKS)
+
+
+@pytest.mark.parametrize("name", ["keepaway-learning", "high-towers-learning", "color-learning"])
+def test_studies_have_their_names(name: str) -> None:
+    assert STUDIES[name].name == name
