@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Protocol, SupportsFloat, TypeAlias
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Final, Protocol, SupportsFloat, final
 
 import numpy as np
 
-from relforest.rl.experience import NO_LIMIT, Experience
-from relforest.rl.policy import Policy
+from relforest.rl.experience import Experience
+from relforest.rl.policy import LockstepPolicy, Policy, choose_all
 from relforest.scenes.arrays import IntArray
-from relforest.smdp import Decision, World
+from relforest.smdp import Decisions, Lockstep, LockstepWorld, Outcomes, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report
@@ -18,8 +20,8 @@ from relforest.support.rng import generator, stream
 
 _RESET, _CHOICES = 0, 1
 
-Step: TypeAlias = tuple[int, int, float, float, bool, bool]
-"""State, position of the action, discounted reward, duration, terminal, truncated."""
+MOST_TOGETHER: Final = 1000
+"""Episodes that are played together, if the world offers it."""
 
 
 class Environment(Protocol):
@@ -70,6 +72,11 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     seed : numpy.random.SeedSequence
         Episode ``i`` uses two streams named by ``i``, one for the world and one for the policy.
 
+    Notes
+    -----
+    Episodes are played together if the world and the policy offer it (`LockstepWorld`, `LockstepPolicy`) and
+    no wrapper but those of ``gymnasium.make`` is around the world. The result is the same.
+
     Raises
     ------
     InputError
@@ -79,93 +86,161 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     ----------
     Palmer (2015), section 6.3 (gathering experience).
     """
-    world = world_of(env)
-    decisions: list[Decision] = []
-    steps: list[Step] = []
-    totals = []
-    for episode in range(at_least("episodes", episodes, 1)):
-        report("episodes", episode, episodes)
+    world, episodes = world_of(env), at_least("episodes", episodes, 1)
+    begin, most = _beginning(env, policy)
+    log = _Log(type(world).__name__, episodes)
+    for first in range(0, episodes, most):
+        numbers = range(first, min(first + most, episodes))
         # Worlds written in other languages may accept only 32 bits.
-        env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
-        totals.append(_play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps))
-    return experience_of(world, decisions, steps, totals)
+        seeds = [int(stream(seed, number, _RESET).generate_state(1)[0]) for number in numbers]
+        rngs = [generator(stream(seed, number, _CHOICES)) for number in numbers]
+        _play(begin(seeds), policy, rngs, first, log)
+    return log.experience()
+
+
+def _beginning(env: Environment, policy: Policy) -> tuple[Callable[[Sequence[int]], Lockstep], int]:
+    """Return what begins an episode for each seed, and how many at most."""
+    world = world_of(env)
+    if isinstance(world, LockstepWorld) and isinstance(policy, LockstepPolicy) and _is_bare(env):
+        begin = world.lockstep
+        if begin is not None:
+            return begin, MOST_TOGETHER
+    return partial(_Alone, env), 1
+
+
+def _is_bare(env: Environment) -> bool:
+    """Return whether no wrapper changes what happens in the world, or needs to see it."""
+    if env is env.unwrapped:
+        return True
+    from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker  # noqa: PLC0415 - loaded, as there is a wrapper
+
+    inner: Any = env
+    while type(inner) in (OrderEnforcing, PassiveEnvChecker):
+        inner = inner.env
+    return inner is env.unwrapped
+
+
+@final
+class _Alone:
+    """An episode of an environment that plays one after the other, as a lockstep of its own."""
+
+    def __init__(self, env: Environment, seeds: Sequence[int]) -> None:
+        self._env, self._world = env, world_of(env)
+        env.reset(seed=seeds[0])
+
+    def decisions(self, episodes: IntArray) -> Decisions:  # noqa: ARG002 - there is one
+        return Decisions.of(self._world.decision())
+
+    def step(self, episodes: IntArray, actions: IntArray) -> Outcomes:  # noqa: ARG002
+        _, reward, terminal, truncated, info = self._env.step(int(actions[0]))
+        return Outcomes(
+            np.array([float(reward)]),
+            np.array([float(info.get("discounted_reward", reward))]),
+            np.array([float(info.get("duration", np.nan))]),
+            np.array([bool(terminal)]),
+            np.array([bool(truncated)]),
+        )
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Log:
+    """What happened in a world, in the order of time."""
+
+    world: str
+    episodes: int
+    states: list[tuple[IntArray, Decisions]] = field(default_factory=list)
+    """The numbers of some episodes, and a state of each."""
+    steps: list[tuple[IntArray, IntArray, Outcomes]] = field(default_factory=list)
+    """Their numbers, the positions of the actions, and what they brought."""
+
+    def add_states(self, numbers: IntArray, decisions: Decisions) -> None:
+        self.states.append((numbers, decisions))
+
+    def add_steps(self, numbers: IntArray, positions: IntArray, outcomes: Outcomes) -> None:
+        """Note a step after a check of its durations."""
+        durations = outcomes.durations
+        wrong = np.flatnonzero(~((durations >= 0.0) & (durations < np.inf)))
+        if len(wrong):
+            raise InputError(
+                f'{self.world} must report a finite info["duration"] of at least 0 after a step, '
+                f"got {float(durations[wrong[0]])}"
+            )
+        self.steps.append((numbers, positions, outcomes))
+
+    def experience(self) -> Experience:
+        numbers, decisions = zip(*self.states, strict=True)
+        owners, positions, outcomes = zip(*self.steps, strict=True)
+        return experience_of(
+            Decisions.joined(decisions),
+            np.concatenate(numbers),
+            np.concatenate(owners),
+            np.concatenate(positions),
+            Outcomes(*map(np.concatenate, zip(*outcomes, strict=True))),
+        )
 
 
 def _play(
-    env: Environment,
-    policy: Policy,
-    rng: np.random.Generator,
-    decisions: list[Decision],
-    steps: list[Step],
-) -> tuple[float, float]:
-    """Play an episode, note its states and transitions, and return its total reward and its duration."""
-    world = world_of(env)
-    decision, total, elapsed, ended = world.decision(), 0.0, 0.0, False
-    decisions.append(decision)
-    while not ended:
-        if not len(decision):
-            raise InputError(
-                f"{type(world).__name__} offers no action in a state that does not end the episode"
-            )
-        state, position = len(decisions) - 1, policy.choose(decision, rng)
-        _, reward, terminal, truncated, info = env.step(int(decision.indices[position]))
-        duration = _duration(info, world)
-        decision = world.decision()
-        decisions.append(decision)
-        discounted = float(info.get("discounted_reward", reward))
-        steps.append((state, position, discounted, duration, bool(terminal), bool(truncated)))
-        total, elapsed, ended = total + float(reward), elapsed + duration, terminal or truncated
-    return total, elapsed
+    games: Lockstep, policy: Policy, rngs: Sequence[np.random.Generator], first: int, log: _Log
+) -> None:
+    """Play episodes to their ends; they are numbered from `first`."""
+    report("episodes", first, log.episodes)
+    running = np.arange(len(rngs))
+    decisions = games.decisions(running)
+    log.add_states(first + running, decisions)
+    while len(running):
+        if not decisions.n_actions.all():
+            raise InputError(f"{log.world} offers no action in a state that does not end the episode")
+        positions = choose_all(policy, decisions, [rngs[i] for i in running.tolist()])
+        outcomes = games.step(running, decisions.indices[decisions.candidates[:-1] + positions])
+        log.add_steps(first + running, positions, outcomes)
+        decisions = games.decisions(running)
+        log.add_states(first + running, decisions)
+        ended = outcomes.terminal | outcomes.truncated
+        if ended.any():
+            running, decisions = running[~ended], decisions.take(np.flatnonzero(~ended))
+            report("episodes", first + len(rngs) - len(running), log.episodes)
 
 
 def experience_of(
-    world: World,
-    decisions: Sequence[Decision],
-    steps: Sequence[Step],
-    totals: Sequence[tuple[float, float]],
+    states: Decisions, episodes: IntArray, owners: IntArray, positions: IntArray, outcomes: Outcomes
 ) -> Experience:
-    """Return what happened in columns; the state after a step is the next one noted."""
-    arity = max((action_type.arity for action_type in world.action_types), default=0)
-    columns: list[tuple[Any, ...]] = list(zip(*steps, strict=True)) or [()] * 6
-    states, positions, rewards, durations, terminal, truncated = columns
-    candidates = _offsets([len(decision) for decision in decisions])
-    before = np.array(states, dtype=np.int64)
+    """Return what happened in columns, sorted by episode.
+
+    Parameters
+    ----------
+    states : Decisions
+        Of all episodes, those of the same one in the order of time: one more than it has steps.
+    episodes : (s,) int64
+        The episode of each state; episodes are numbered from 0.
+    owners, positions : (n,) int64
+        The episode of each step, and the position of the action that was taken.
+    outcomes : Outcomes
+        What the steps brought.
+    """
+    order = np.argsort(owners, kind="stable")
+    totals = np.zeros((2, int(episodes.max(initial=-1)) + 1))
+    np.add.at(totals[0], owners, outcomes.rewards)
+    np.add.at(totals[1], owners, outcomes.durations)
+    states = states.take(np.argsort(episodes, kind="stable"))
+    owners = owners[order]
+    # Each episode has one more state than steps.
+    before = np.arange(len(owners)) + owners
     return Experience(
-        matrix=np.concatenate(
-            [np.empty((0, world.schema.width)), *(decision.objects for decision in decisions)]
-        ),
-        objects=_offsets([decision.n_objects for decision in decisions]),
-        private=np.array([decision.n_private for decision in decisions], dtype=np.int64),
-        remaining=np.array(
-            [NO_LIMIT if decision.remaining is None else decision.remaining for decision in decisions],
-            dtype=np.int64,
-        ),
-        candidates=candidates,
-        types=np.concatenate([np.empty(0, np.int64), *(decision.types for decision in decisions)]),
-        arguments=np.concatenate(
-            [np.empty((0, arity), np.int64), *(decision.arguments for decision in decisions)]
-        ),
+        matrix=states.matrix,
+        objects=states.objects,
+        private=states.private,
+        remaining=states.remaining,
+        candidates=states.candidates,
+        types=states.types,
+        arguments=states.arguments,
         states=before,
         next_states=before + 1,
-        actions=candidates[before] + np.array(positions, dtype=np.int64),
-        rewards=np.array(rewards, dtype=np.float64),
-        durations=np.array(durations, dtype=np.float64),
-        terminal=np.array(terminal, dtype=np.bool_),
-        truncated=np.array(truncated, dtype=np.bool_),
-        episode_rewards=np.array([total for total, _ in totals], dtype=np.float64),
-        episode_durations=np.array([elapsed for _, elapsed in totals], dtype=np.float64),
+        actions=states.candidates[before] + positions[order],
+        rewards=outcomes.discounted[order],
+        durations=outcomes.durations[order],
+        terminal=outcomes.terminal[order],
+        truncated=outcomes.truncated[order],
+        episode_rewards=totals[0],
+        episode_durations=totals[1],
     )
-
-
-def _offsets(counts: Sequence[int]) -> IntArray:
-    return np.cumsum([0, *counts], dtype=np.int64)
-
-
-def _duration(info: dict[str, Any], world: World) -> float:
-    duration = float(info.get("duration", np.nan))
-    if not 0.0 <= duration < np.inf:
-        raise InputError(
-            f'{type(world).__name__} must report a finite info["duration"] of at least 0 after a step, '
-            f"got {duration}"
-        )
-    return duration
