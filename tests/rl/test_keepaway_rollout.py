@@ -53,11 +53,12 @@ def tree_value() -> ValueFunction:
         Mapping("difference", schema["location"]),
         (1, 2),
         Ellipsoid(np.zeros(2), np.eye(2), 6.0, 2, 0.0),
-        2,
-        3,
         4,
+        5,
+        6,
     )
-    tree = Tree(schema, (Instantiation(1), close, Leaf(0.9, 1, 9), Leaf(0.2, 8, 2), Leaf(0.5, 0, 0)))
+    leaves = (Leaf(0.9, 1, 9), Leaf(0.2, 8, 2), Leaf(0.5, 0, 0))
+    tree = Tree(schema, (Instantiation(1), Instantiation(2), Instantiation(3), close, *leaves))
     weights = (np.zeros(1), np.array([0.1, 0.5, -0.5, 0.0]))
     return ValueFunction(SCHEMA, ACTION_TYPES, "bits", ((), (tree,)), weights)
 
