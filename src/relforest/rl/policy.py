@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, final, runtime_checkable
+from typing import Protocol, cast, final, runtime_checkable
 
 import numpy as np
 
@@ -43,7 +43,6 @@ class ActionValues(Protocol):
         ...
 
 
-@runtime_checkable
 class LockstepValues(ActionValues, Protocol):
     """Also says so for many decisions at once, as `relforest.rl.fitted.value.QValue` does."""
 
@@ -54,15 +53,16 @@ class LockstepValues(ActionValues, Protocol):
 
 def choose_all(policy: Policy, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
     """Return the choice of any policy for each decision, (n_decisions,)."""
-    if isinstance(policy, LockstepPolicy):
-        return policy.choose_all(decisions, rngs)
+    # This is asked in every step, and `isinstance` takes long for protocols.
+    if hasattr(policy, "choose_all"):
+        return cast("LockstepPolicy", policy).choose_all(decisions, rngs)
     return np.array([policy.choose(*each) for each in zip(decisions, rngs, strict=True)], dtype=np.int64)
 
 
 def values_all(value: ActionValues, decisions: Decisions) -> FloatArray:
     """Return the values of the actions of each decision, one after the other."""
-    if isinstance(value, LockstepValues):
-        return value.values_all(decisions)
+    if hasattr(value, "values_all"):
+        return cast("LockstepValues", value).values_all(decisions)
     return np.concatenate([value.values(decision) for decision in decisions])
 
 

@@ -87,7 +87,7 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     Palmer (2015), section 6.3 (gathering experience).
     """
     world, episodes = world_of(env), at_least("episodes", episodes, 1)
-    begin, most = _beginning(env, policy)
+    begin, most = _beginning(env, world, policy)
     log = _Log(type(world).__name__, episodes)
     for first in range(0, episodes, most):
         numbers = range(first, min(first + most, episodes))
@@ -98,14 +98,15 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     return log.experience()
 
 
-def _beginning(env: Environment, policy: Policy) -> tuple[Callable[[Sequence[int]], Lockstep], int]:
+def _beginning(
+    env: Environment, world: World, policy: Policy
+) -> tuple[Callable[[Sequence[int]], Lockstep], int]:
     """Return what begins an episode for each seed, and how many at most."""
-    world = world_of(env)
     if isinstance(world, LockstepWorld) and isinstance(policy, LockstepPolicy) and _is_bare(env):
         begin = world.lockstep
         if begin is not None:
             return begin, MOST_TOGETHER
-    return partial(_Alone, env), 1
+    return partial(_Alone, env, world), 1
 
 
 def _is_bare(env: Environment) -> bool:
@@ -124,8 +125,8 @@ def _is_bare(env: Environment) -> bool:
 class _Alone:
     """An episode of an environment that plays one after the other, as a lockstep of its own."""
 
-    def __init__(self, env: Environment, seeds: Sequence[int]) -> None:
-        self._env, self._world = env, world_of(env)
+    def __init__(self, env: Environment, world: World, seeds: Sequence[int]) -> None:
+        self._env, self._world = env, world
         env.reset(seed=seeds[0])
 
     def decisions(self, episodes: IntArray) -> Decisions:  # noqa: ARG002 - there is one
@@ -160,11 +161,11 @@ class _Log:
     def add_steps(self, numbers: IntArray, positions: IntArray, outcomes: Outcomes) -> None:
         """Note a step after a check of its durations."""
         durations = outcomes.durations
-        wrong = np.flatnonzero(~((durations >= 0.0) & (durations < np.inf)))
-        if len(wrong):
+        is_right = (durations >= 0.0) & (durations < np.inf)
+        if not is_right.all():
             raise InputError(
                 f'{self.world} must report a finite info["duration"] of at least 0 after a step, '
-                f"got {float(durations[wrong[0]])}"
+                f"got {durations[~is_right].tolist()[0]}"
             )
         self.steps.append((numbers, positions, outcomes))
 
