@@ -283,18 +283,18 @@ class Decisions:
                 object.__setattr__(self, name, array)
 
     @classmethod
-    def of(cls, decision: Decision) -> Decisions:
-        """Return the columns of a single decision."""
-        remaining = NO_LIMIT if decision.remaining is None else decision.remaining
+    def of(cls, decisions: Sequence[Decision]) -> Decisions:
+        """Return the columns of at least one decision."""
+        remaining = [NO_LIMIT if each.remaining is None else each.remaining for each in decisions]
         return cls(
-            decision.objects,
-            np.array([0, decision.n_objects]),
-            np.array([decision.n_private]),
-            np.array([remaining]),
-            np.array([0, len(decision)]),
-            decision.types,
-            decision.arguments,
-            decision.indices,
+            np.concatenate([each.objects for each in decisions]),
+            np.cumsum([0, *(each.n_objects for each in decisions)]),
+            np.array([each.n_private for each in decisions]),
+            np.array(remaining),
+            np.cumsum([0, *map(len, decisions)]),
+            np.concatenate([each.types for each in decisions]),
+            np.concatenate([each.arguments for each in decisions]),
+            np.concatenate([each.indices for each in decisions]),
         )
 
     @classmethod

@@ -96,11 +96,9 @@ class Alone:
 def test_policies_choose_the_same_for_many_episodes_at_once(policy: Policy) -> None:
     rng = np.random.default_rng(0)
     counts = rng.integers(1, 6, 50)
-    decisions = Decisions.joined(
+    decisions = Decisions.of(
         [
-            Decisions.of(
-                Decision(rng.random((4, 1)), np.zeros(n, np.int64), np.empty((n, 0), np.int64), np.arange(n))
-            )
+            Decision(rng.random((4, 1)), np.zeros(n, np.int64), np.empty((n, 0), np.int64), np.arange(n))
             for n in counts
         ]
     )

@@ -152,7 +152,7 @@ class Games:
             world.reset(seed=seed)
 
     def decisions(self, episodes: IntArray) -> Decisions:
-        return Decisions.joined([Decisions.of(self.worlds[i].decision()) for i in episodes])
+        return Decisions.of([self.worlds[i].decision() for i in episodes])
 
     def step(self, episodes: IntArray, actions: IntArray) -> Outcomes:
         taken = [self.worlds[i].step(action) for i, action in zip(episodes, actions, strict=True)]

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, Final, Protocol, SupportsFloat, final
 
 import numpy as np
 
 from relforest.rl.experience import Experience
-from relforest.rl.policy import LockstepPolicy, Policy, choose_all
+from relforest.rl.policy import LockstepPolicy, Policy
 from relforest.scenes.arrays import IntArray
 from relforest.smdp import Decisions, Lockstep, LockstepWorld, Outcomes, World
 from relforest.support.errors import InputError
@@ -87,26 +86,29 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     Palmer (2015), section 6.3 (gathering experience).
     """
     world, episodes = world_of(env), at_least("episodes", episodes, 1)
-    begin, most = _beginning(env, world, policy)
     log = _Log(type(world).__name__, episodes)
-    for first in range(0, episodes, most):
-        numbers = range(first, min(first + most, episodes))
-        # Worlds written in other languages may accept only 32 bits.
-        seeds = [int(stream(seed, number, _RESET).generate_state(1)[0]) for number in numbers]
-        rngs = [generator(stream(seed, number, _CHOICES)) for number in numbers]
-        _play(begin(seeds), policy, rngs, first, log)
+    begin = world.lockstep if isinstance(world, LockstepWorld) and _is_bare(env) else None
+    if begin is None or not isinstance(policy, LockstepPolicy):
+        for number in range(episodes):
+            report("episodes", number, episodes)
+            env.reset(seed=_reset(seed, number))
+            _play(env, policy, _choices(seed, number), number, log)
+        report("episodes", episodes, episodes)
+        return log.experience()
+    for first in range(0, episodes, MOST_TOGETHER):
+        numbers = range(first, min(first + MOST_TOGETHER, episodes))
+        games = begin([_reset(seed, number) for number in numbers])
+        _play_together(games, policy, [_choices(seed, number) for number in numbers], first, log)
     return log.experience()
 
 
-def _beginning(
-    env: Environment, world: World, policy: Policy
-) -> tuple[Callable[[Sequence[int]], Lockstep], int]:
-    """Return what begins an episode for each seed, and how many at most."""
-    if isinstance(world, LockstepWorld) and isinstance(policy, LockstepPolicy) and _is_bare(env):
-        begin = world.lockstep
-        if begin is not None:
-            return begin, MOST_TOGETHER
-    return partial(_Alone, env, world), 1
+def _reset(seed: np.random.SeedSequence, number: int) -> int:
+    # Worlds written in other languages may accept only 32 bits.
+    return int(stream(seed, number, _RESET).generate_state(1)[0])
+
+
+def _choices(seed: np.random.SeedSequence, number: int) -> np.random.Generator:
+    return generator(stream(seed, number, _CHOICES))
 
 
 def _is_bare(env: Environment) -> bool:
@@ -119,28 +121,6 @@ def _is_bare(env: Environment) -> bool:
     while type(inner) in (OrderEnforcing, PassiveEnvChecker):
         inner = inner.env
     return inner is env.unwrapped
-
-
-@final
-class _Alone:
-    """An episode of an environment that plays one after the other, as a lockstep of its own."""
-
-    def __init__(self, env: Environment, world: World, seeds: Sequence[int]) -> None:
-        self._env, self._world = env, world
-        env.reset(seed=seeds[0])
-
-    def decisions(self, episodes: IntArray) -> Decisions:  # noqa: ARG002 - there is one
-        return Decisions.of(self._world.decision())
-
-    def step(self, episodes: IntArray, actions: IntArray) -> Outcomes:  # noqa: ARG002
-        _, reward, terminal, truncated, info = self._env.step(int(actions[0]))
-        return Outcomes(
-            np.array([float(reward)]),
-            np.array([float(info.get("discounted_reward", reward))]),
-            np.array([float(info.get("duration", np.nan))]),
-            np.array([bool(terminal)]),
-            np.array([bool(truncated)]),
-        )
 
 
 @final
@@ -158,8 +138,11 @@ class _Log:
     def add_states(self, numbers: IntArray, decisions: Decisions) -> None:
         self.states.append((numbers, decisions))
 
+    def stuck(self) -> InputError:
+        return InputError(f"{self.world} offers no action in a state that does not end the episode")
+
     def add_steps(self, numbers: IntArray, positions: IntArray, outcomes: Outcomes) -> None:
-        """Note a step after a check of its durations."""
+        """Note what happened in steps, after a check of their durations."""
         durations = outcomes.durations
         is_right = (durations >= 0.0) & (durations < np.inf)
         if not is_right.all():
@@ -181,8 +164,32 @@ class _Log:
         )
 
 
-def _play(
-    games: Lockstep, policy: Policy, rngs: Sequence[np.random.Generator], first: int, log: _Log
+def _play(env: Environment, policy: Policy, rng: np.random.Generator, number: int, log: _Log) -> None:
+    """Play the episode that has begun."""
+    world = world_of(env)
+    decisions, ended = [world.decision()], False
+    positions: list[int] = []
+    steps: list[tuple[float, float, float, bool, bool]] = []
+    while not ended:
+        if not len(decisions[-1]):
+            raise log.stuck()
+        positions.append(policy.choose(decisions[-1], rng))
+        action = int(decisions[-1].indices[positions[-1]])
+        _, reward, terminal, truncated, info = env.step(action)
+        decisions.append(world.decision())
+        discounted, duration = info.get("discounted_reward", reward), info.get("duration", np.nan)
+        ended = bool(terminal or truncated)
+        steps.append((float(reward), float(discounted), float(duration), bool(terminal), bool(truncated)))
+    log.add_states(np.full(len(decisions), number), Decisions.of(decisions))
+    log.add_steps(
+        np.full(len(steps), number),
+        np.array(positions),
+        Outcomes(*map(np.array, zip(*steps, strict=True))),
+    )
+
+
+def _play_together(
+    games: Lockstep, policy: LockstepPolicy, rngs: Sequence[np.random.Generator], first: int, log: _Log
 ) -> None:
     """Play episodes to their ends; they are numbered from `first`."""
     report("episodes", first, log.episodes)
@@ -191,8 +198,8 @@ def _play(
     log.add_states(first + running, decisions)
     while len(running):
         if not decisions.n_actions.all():
-            raise InputError(f"{log.world} offers no action in a state that does not end the episode")
-        positions = choose_all(policy, decisions, [rngs[i] for i in running.tolist()])
+            raise log.stuck()
+        positions = policy.choose_all(decisions, [rngs[i] for i in running.tolist()])
         outcomes = games.step(running, decisions.indices[decisions.candidates[:-1] + positions])
         log.add_steps(first + running, positions, outcomes)
         decisions = games.decisions(running)

@@ -89,7 +89,7 @@ def test_states_with_other_numbers_of_remaining_actions_can_be_valued_together()
             env.step(env.decision().indices[RandomPolicy().choose(env.decision(), rng)])
         seen.append(env.decision())
     assert {each.remaining for each in seen} == {1, 2, 3, 4}
-    found = value.values_all(Decisions.joined([Decisions.of(each) for each in seen]))
+    found = value.values_all(Decisions.of(seen))
     np.testing.assert_array_equal(found, np.concatenate([value.values(each) for each in seen]))
 
 

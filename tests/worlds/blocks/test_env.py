@@ -259,7 +259,7 @@ def test_a_move_sees_the_blocks_and_its_own_target() -> None:
     targets = [10.0, 0.0, -12.0, -10.0, 0.0, 12.0]
     nothing, never, first = np.empty(0), np.empty(0, dtype=np.bool_), np.empty(0, dtype=np.int64)
     outcomes = Outcomes(nothing, nothing, nothing, never, never)
-    experience = experience_of(Decisions.of(env.decision()), np.zeros(1, np.int64), first, first, outcomes)
+    experience = experience_of(Decisions.of([env.decision()]), np.zeros(1, np.int64), first, first, outcomes)
     moves = np.flatnonzero(experience.types == ARCH_ACTIONS.index(MOVE))
     scenes = action_scenes(experience, moves, Schema(SCHEMA.attributes, MOVE.parameters))
     assert scenes.counts.tolist() == [3] * 6

@@ -46,7 +46,7 @@ class QValue:
 
         The decision must come from a world with this schema and these action types; this is not checked.
         """
-        return self.values_all(Decisions.of(decision))
+        return self.values_all(Decisions.of([decision]))
 
     def values_all(self, decisions: Decisions) -> FloatArray:
         """Return Q of the actions of each decision, one after the other."""
