@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from relforest.scenes import Attribute, Schema
-from relforest.smdp import Action, ActionType, Decision, World, check_decision
+from relforest.smdp import NO_LIMIT, Action, ActionType, Decision, Decisions, World, check_decision
 from relforest.support.errors import InputError
 
 SCHEMA = Schema((Attribute("location", 2),))
@@ -194,3 +194,41 @@ def test_world_is_recognised_by_its_members() -> None:
 
     assert isinstance(Complete(), World)
     assert not isinstance(object(), World)
+
+
+def three() -> list[Decision]:
+    """Of two objects, of none and no action, and of three objects, the last one private."""
+    nothing = np.empty(0, dtype=np.int64)
+    return [
+        make(),
+        Decision(np.empty((0, 2)), nothing, np.empty((0, 2), dtype=np.int64), nothing, remaining=0),
+        make(objects=np.arange(6.0).reshape(3, 2), n_private=1, remaining=5),
+    ]
+
+
+def assert_same(found: Decision, expected: Decision) -> None:
+    assert (found.n_private, found.remaining) == (expected.n_private, expected.remaining)
+    for name in ("objects", "types", "arguments", "indices"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+
+
+def test_many_decisions_are_columns() -> None:
+    expected = three()
+    found = Decisions.joined([Decisions.of(expected[:1]), Decisions.of(expected[1:])])
+    assert len(found) == 3
+    for mine, theirs in zip(found, expected, strict=True):
+        assert_same(mine, theirs)
+    assert found.n_actions.tolist() == [2, 0, 2]
+    assert found.owners.tolist() == [0, 0, 2, 2]
+    assert found.remaining.tolist() == [NO_LIMIT, 0, 5]
+    with pytest.raises(ValueError, match="read-only"):
+        found.matrix[0, 0] = 1.0
+
+
+@pytest.mark.parametrize("order", [[2, 0, 1], [1], [2, 2], []])
+def test_decisions_can_be_taken_in_another_order(order: list[int]) -> None:
+    expected = three()
+    found = Decisions.of(expected).take(np.array(order, dtype=np.int64))
+    assert len(found) == len(order)
+    for mine, number in zip(found, order, strict=True):
+        assert_same(mine, expected[number])

@@ -23,13 +23,15 @@ Conventions of the Gymnasium face of a world
   in a terminal state, and 0 only at the end of an episode. A task without such a limit leaves it out.
 
 `relforest.testing.check_world` checks whether a world follows them.
+
+A world may also offer to play many episodes together, which is faster (`LockstepWorld`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, final, runtime_checkable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +44,9 @@ if TYPE_CHECKING:
 
 UNBOUND = -1
 """Marks an argument position that an action type does not use."""
+
+NO_LIMIT = -1
+"""Marks, in columns, a state in a task that does not limit the number of actions."""
 
 
 @final
@@ -232,6 +237,142 @@ class Decision:
         return Action(int(self.types[position]), tuple(int(row) for row in bound[bound != UNBOUND]))
 
 
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Decisions:
+    """Many decisions in columns.
+
+    Letters as for `Decision`, and: s decisions, r object rows, c actions, of all decisions together. Nothing
+    is checked; worlds build such columns in every step.
+
+    Parameters
+    ----------
+    matrix : (r, w) float64
+        The objects of all decisions, one row each.
+    objects : (s + 1,) int64
+        Decision ``i`` has the rows ``objects[i]`` to ``objects[i + 1]`` (exclusive).
+    private : (s,) int64
+        `Decision.n_private` of each.
+    remaining : (s,) int64
+        `Decision.remaining` of each, `NO_LIMIT` for None.
+    candidates : (s + 1,) int64
+        Decision ``i`` offers the actions ``candidates[i]`` to ``candidates[i + 1]`` (exclusive).
+    types : (c,) int64
+    arguments : (c, k) int64
+        Positions among the objects of their own decision.
+    indices : (c,) int64
+
+    Notes
+    -----
+    The arrays become read-only views.
+    """
+
+    matrix: NDArray[np.float64]
+    objects: NDArray[np.int64]
+    private: NDArray[np.int64]
+    remaining: NDArray[np.int64]
+    candidates: NDArray[np.int64]
+    types: NDArray[np.int64]
+    arguments: NDArray[np.int64]
+    indices: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name in _NAMES:
+            array = getattr(self, name)
+            if array.flags.writeable:
+                array = array.view()
+                array.flags.writeable = False
+                object.__setattr__(self, name, array)
+
+    @classmethod
+    def of(cls, decisions: Sequence[Decision]) -> Decisions:
+        """Return the columns of at least one decision."""
+        remaining = [NO_LIMIT if each.remaining is None else each.remaining for each in decisions]
+        return cls(
+            np.concatenate([each.objects for each in decisions]),
+            np.cumsum([0, *(each.n_objects for each in decisions)]),
+            np.array([each.n_private for each in decisions]),
+            np.array(remaining),
+            np.cumsum([0, *map(len, decisions)]),
+            np.concatenate([each.types for each in decisions]),
+            np.concatenate([each.arguments for each in decisions]),
+            np.concatenate([each.indices for each in decisions]),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Decisions]) -> Decisions:
+        """Return all decisions of at least one part, in the given order."""
+        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES}
+        for name in ("objects", "candidates"):
+            counts = [_sizes(getattr(part, name)) for part in parts]
+            columns[name] = np.cumsum(np.concatenate([[0], *counts]))
+        return cls(**columns)
+
+    def __len__(self) -> int:
+        """Return the number of decisions."""
+        return len(self.private)
+
+    def __getitem__(self, i: int) -> Decision:
+        """Return one of them (0 <= i < len)."""
+        rows = slice(self.objects[i], self.objects[i + 1])
+        own = slice(self.candidates[i], self.candidates[i + 1])
+        remaining = int(self.remaining[i])
+        return Decision(
+            self.matrix[rows],
+            self.types[own],
+            self.arguments[own],
+            self.indices[own],
+            int(self.private[i]),
+            None if remaining == NO_LIMIT else remaining,
+        )
+
+    def __iter__(self) -> Iterator[Decision]:
+        """Iterate over them."""
+        return map(self.__getitem__, range(len(self)))
+
+    @property
+    def n_actions(self) -> NDArray[np.int64]:
+        """The number of actions that each decision offers, (s,)."""
+        return _sizes(self.candidates)
+
+    @property
+    def owners(self) -> NDArray[np.int64]:
+        """The number of the decision that offers each action, (c,)."""
+        return np.repeat(np.arange(len(self)), self.n_actions)
+
+    def take(self, order: NDArray[np.int64]) -> Decisions:
+        """Return some of them in another order."""
+        rows, objects = _gathered(self.objects, order)
+        own, candidates = _gathered(self.candidates, order)
+        return Decisions(
+            self.matrix[rows],
+            objects,
+            self.private[order],
+            self.remaining[order],
+            candidates,
+            self.types[own],
+            self.arguments[own],
+            self.indices[own],
+        )
+
+
+_NAMES = tuple(field.name for field in fields(Decisions))
+
+
+def _sizes(offsets: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return how many members each group has; `numpy.diff` takes far longer for a few groups."""
+    return offsets[1:] - offsets[:-1]
+
+
+def _gathered(
+    offsets: NDArray[np.int64], order: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the members of groups in another order, and where the groups then begin and end."""
+    counts = _sizes(offsets)[order]
+    ends = np.concatenate([[0], np.cumsum(counts)])
+    return np.arange(ends[-1]) + np.repeat(offsets[order] - ends[:-1], counts), ends
+
+
 @runtime_checkable
 class World(Protocol):
     """What a learner needs from a world; the ``unwrapped`` environment of every world implements it."""
@@ -253,6 +394,46 @@ class World(Protocol):
 
     def decision(self) -> Decision:
         """Return the objects and the available ground actions of the present state."""
+        ...
+
+
+class Outcomes(NamedTuple):
+    """What a step of e episodes brought, all (e,)."""
+
+    rewards: NDArray[np.float64]  # undiscounted
+    discounted: NDArray[np.float64]  # discounted to the beginning of the action
+    durations: NDArray[np.float64]
+    terminal: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+
+
+class Lockstep(Protocol):
+    """Episodes that are played together; none depends on the others. They are named by their numbers."""
+
+    @property
+    def before(self) -> NDArray[np.float64]:
+        """Reward and time before the first decision of each episode, (2, e)."""
+        ...
+
+    def decisions(self, episodes: NDArray[np.int64]) -> Decisions:
+        """Return the present decisions of some episodes (e,)."""
+        ...
+
+    def step(self, episodes: NDArray[np.int64], actions: NDArray[np.int64]) -> Outcomes:
+        """Take an action of the flat ``Discrete`` space (e,) in each of these episodes, which go on."""
+        ...
+
+
+@runtime_checkable
+class LockstepWorld(World, Protocol):
+    """A world that can play many episodes together."""
+
+    @property
+    def lockstep(self) -> Callable[[Sequence[int]], Lockstep] | None:
+        """What begins an episode for each of several seeds; None if that is impossible at present.
+
+        Episode i is what follows ``reset(seed=seeds[i])``, to the last bit; this environment does not change.
+        """
         ...
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, RandomPolicy
+from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy, choose_all
 from relforest.scenes.arrays import FloatArray
-from relforest.smdp import Decision
+from relforest.smdp import Decision, Decisions
 from relforest.support.errors import InputError
 
 THREE = Decision(np.zeros((1, 1)), np.zeros(3, np.int64), np.empty((3, 0), np.int64), np.arange(3))
@@ -63,3 +63,47 @@ def test_epsilon_at_its_ends(epsilon: float) -> None:
 def test_epsilon_must_be_a_probability(epsilon: float) -> None:
     with pytest.raises(InputError, match="epsilon must be a number of at least 0 and of at most 1"):
         EpsilonGreedyPolicy(RandomPolicy(), epsilon)
+
+
+class Steps:
+    """Values in few steps, so that some are equal."""
+
+    def values(self, decision: Decision) -> FloatArray:
+        return np.floor(3.0 * np.resize(decision.objects[:, 0], len(decision)))
+
+
+@dataclass(frozen=True, slots=True)
+class Alone:
+    """Choose one by one."""
+
+    policy: Policy
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        return self.policy.choose(decision, rng)
+
+
+@pytest.mark.parametrize(
+    "policy",
+    [
+        RandomPolicy(),
+        GreedyPolicy(Steps()),
+        EpsilonGreedyPolicy(GreedyPolicy(Steps()), 0.4),
+        EpsilonGreedyPolicy(Alone(RandomPolicy()), 0.4),
+        EpsilonGreedyPolicy(RandomPolicy(), 0.0),
+        EpsilonGreedyPolicy(RandomPolicy(), 1.0),
+    ],
+)
+def test_policies_choose_the_same_for_many_episodes_at_once(policy: Policy) -> None:
+    rng = np.random.default_rng(0)
+    counts = rng.integers(1, 6, 50)
+    decisions = Decisions.of(
+        [
+            Decision(rng.random((4, 1)), np.zeros(n, np.int64), np.empty((n, 0), np.int64), np.arange(n))
+            for n in counts
+        ]
+    )
+    own, others = ([np.random.default_rng(i) for i in range(50)] for _ in range(2))
+    for _ in range(3):
+        found = choose_all(policy, decisions, own)
+        assert found.tolist() == choose_all(Alone(policy), decisions, others).tolist()
+    assert [a.random() for a in own] == [b.random() for b in others]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -7,11 +8,14 @@ import gymnasium
 import numpy as np
 import pytest
 
+from relforest.rl import rollout as rollout_module
 from relforest.rl.experience import COLUMNS, Experience
-from relforest.rl.policy import RandomPolicy
+from relforest.rl.policy import Policy, RandomPolicy
 from relforest.rl.rollout import rollout, world_of
-from relforest.smdp import Decision
+from relforest.scenes.arrays import IntArray
+from relforest.smdp import Decision, Decisions, Lockstep, Outcomes
 from relforest.support.errors import InputError
+from relforest.support.progress import Stage, listening
 from rl.small_worlds import Picking
 
 SEED = np.random.SeedSequence(7)
@@ -154,3 +158,92 @@ def test_durations_are_finite_and_not_negative(info: dict[str, float], found: st
     message = rf'Reporting must report a finite info\["duration"\] of at least 0 after a step, got {found}'
     with pytest.raises(InputError, match=message):
         rollout(Reporting(**info), Last(), 1, SEED)
+
+
+class Games:
+    """Several games of picking; the number of things differs."""
+
+    def __init__(self, seeds: Sequence[int]) -> None:
+        self.worlds = [Several(things=6) for _ in seeds]
+        self.before = np.zeros((2, len(seeds)))
+        for world, seed in zip(self.worlds, seeds, strict=True):
+            world.reset(seed=seed)
+
+    def decisions(self, episodes: IntArray) -> Decisions:
+        return Decisions.of([self.worlds[i].decision() for i in episodes])
+
+    def step(self, episodes: IntArray, actions: IntArray) -> Outcomes:
+        taken = [self.worlds[i].step(action) for i, action in zip(episodes, actions, strict=True)]
+        rows = [(r, info["discounted_reward"], info["duration"], t, cut) for _, r, t, cut, info in taken]
+        rewards, discounted, durations, terminal, truncated = map(np.array, zip(*rows, strict=True))
+        return Outcomes(rewards, discounted, durations, terminal, truncated)
+
+
+class Several(Picking):
+    """Offers lockstep, unless somebody watches."""
+
+    watched = False
+
+    @property
+    def lockstep(self) -> Callable[[Sequence[int]], Lockstep] | None:
+        return None if self.watched else self.begin
+
+    def begin(self, seeds: Sequence[int]) -> Lockstep:
+        self.begun = len(seeds)
+        return Games(seeds)
+
+    def reset(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        found = super().reset(**options)
+        self.things = self.things[: 1 + int(6 * self.things[0])]
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class OneByOne:
+    """Hides that a policy can choose for many episodes at once."""
+
+    policy: Policy
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        return self.policy.choose(decision, rng)
+
+
+def test_episodes_played_together_are_those_played_one_after_the_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    env = Several(things=6)
+    expected = rollout(env, OneByOne(RandomPolicy()), 20, SEED)
+    assert not hasattr(env, "begun")
+    assert_equal(rollout(env, RandomPolicy(), 20, SEED), expected)
+    assert env.begun == 20
+    assert 0 < expected.truncated.sum() < 20
+    monkeypatch.setattr(rollout_module, "MOST_TOGETHER", 8)
+    assert_equal(rollout(env, RandomPolicy(), 20, SEED), expected)
+    assert env.begun == 4
+
+
+def test_wrappers_see_every_step() -> None:
+    env = Several(things=6)
+    expected = rollout(env, RandomPolicy(), 3, SEED)
+    del env.begun
+    ordered: Any = gymnasium.wrappers.OrderEnforcing(env)
+    wrapped: Any = gymnasium.wrappers.RecordEpisodeStatistics(ordered)
+    assert_equal(rollout(wrapped, RandomPolicy(), 3, SEED), expected)
+    assert len(wrapped.return_queue) == 3
+    env.watched = True
+    assert_equal(rollout(env, RandomPolicy(), 3, SEED), expected)
+    assert not hasattr(env, "begun")
+    env.watched = False
+    rollout(ordered, RandomPolicy(), 3, SEED)
+    assert env.begun == 3
+
+
+@pytest.mark.parametrize("policy", [RandomPolicy(), OneByOne(RandomPolicy())])
+def test_finished_episodes_are_reported(policy: Policy) -> None:
+    heard: list[Stage] = []
+    with listening(heard.append):
+        rollout(Several(things=6), policy, 9, SEED)
+    done = [stage.done for stage in heard if stage.name == "episodes" and stage.done is not None]
+    assert done[0] == 0
+    assert done == sorted(done)
+    assert (done[-1], heard[-1].total) == (9, 9)

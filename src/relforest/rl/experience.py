@@ -15,14 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray
-from relforest.smdp import UNBOUND
+from relforest.smdp import NO_LIMIT, UNBOUND
 from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import InputError, ModelFormatError
 
 BoolArray = NDArray[np.bool_]
-
-NO_LIMIT = -1
-"""Marks a state in a task that does not limit the number of actions."""
 
 
 @final

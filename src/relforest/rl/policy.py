@@ -2,18 +2,19 @@
 
 A policy is anything with ``choose(decision, rng)``. The three here cover Palmer (2015), section 6.3:
 uniformly random actions for the first batch, greedy ones for tests, and epsilon-greedy ones for later
-training experience.
+training experience. They also choose for many episodes at once, with the same random numbers.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, final
+from typing import Protocol, cast, final, runtime_checkable
 
 import numpy as np
 
-from relforest.scenes.arrays import FloatArray
-from relforest.smdp import Decision
+from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.smdp import Decision, Decisions
 from relforest.support.options import in_range
 
 
@@ -25,12 +26,44 @@ class Policy(Protocol):
         ...
 
 
+@runtime_checkable
+class LockstepPolicy(Policy, Protocol):
+    """Also chooses in many episodes at once, knowing nothing of them but their decisions."""
+
+    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+        """Return what `choose` would for each decision and its own random numbers, (n_decisions,)."""
+        ...
+
+
 class ActionValues(Protocol):
     """Says what each available action is worth; `relforest.rl.value.ValueFunction` does."""
 
     def values(self, decision: Decision) -> FloatArray:
         """Return the value of each action of `decision`, (n_actions,)."""
         ...
+
+
+class LockstepValues(ActionValues, Protocol):
+    """Also says so for many decisions at once, as `relforest.rl.fitted.value.QValue` does."""
+
+    def values_all(self, decisions: Decisions) -> FloatArray:
+        """Return what `values` would for each decision, one after the other."""
+        ...
+
+
+def choose_all(policy: Policy, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+    """Return the choice of any policy for each decision, (n_decisions,)."""
+    # This is asked in every step, and `isinstance` takes long for protocols.
+    if hasattr(policy, "choose_all"):
+        return cast("LockstepPolicy", policy).choose_all(decisions, rngs)
+    return np.array([policy.choose(*each) for each in zip(decisions, rngs, strict=True)], dtype=np.int64)
+
+
+def values_all(value: ActionValues, decisions: Decisions) -> FloatArray:
+    """Return the values of the actions of each decision, one after the other."""
+    if hasattr(value, "values_all"):
+        return cast("LockstepValues", value).values_all(decisions)
+    return np.concatenate([value.values(decision) for decision in decisions])
 
 
 @final
@@ -41,6 +74,10 @@ class RandomPolicy:
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a uniform position; consumes one integer from `rng`."""
         return int(rng.integers(len(decision)))
+
+    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+        """Return the choice for each decision, (n_decisions,)."""
+        return _uniform(decisions.n_actions, rngs)
 
 
 @final
@@ -70,6 +107,16 @@ class GreedyPolicy:
         values = self.value.values(decision)
         best = np.flatnonzero(values == values.max())
         return int(best[0] if len(best) == 1 else best[rng.integers(len(best))])
+
+    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+        """Return the choice for each decision, (n_decisions,)."""
+        values, starts = values_all(self.value, decisions), decisions.candidates[:-1]
+        is_best = values == np.maximum.reduceat(values, starts)[decisions.owners]
+        n_best = np.add.reduceat(is_best, starts, dtype=np.int64)
+        ranks, ties = np.zeros(len(starts), dtype=np.int64), np.flatnonzero(n_best != 1)
+        ranks[ties] = _uniform(n_best[ties], [rngs[i] for i in ties.tolist()])
+        chosen: IntArray = np.flatnonzero(is_best)[np.cumsum(n_best) - n_best + ranks] - starts
+        return chosen
 
 
 @final
@@ -105,3 +152,20 @@ class EpsilonGreedyPolicy:
         if rng.random() < self.epsilon:
             return int(rng.integers(len(decision)))
         return self.policy.choose(decision, rng)
+
+    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+        """Return the choice for each decision, (n_decisions,)."""
+        explores = np.array([rng.random() < self.epsilon for rng in rngs], dtype=np.bool_)
+        chosen = np.empty(len(rngs), dtype=np.int64)
+        some, others = np.flatnonzero(explores), np.flatnonzero(~explores)
+        chosen[some] = _uniform(decisions.n_actions[some], [rngs[i] for i in some.tolist()])
+        if len(others):
+            own = decisions.take(others) if len(some) else decisions
+            chosen[others] = choose_all(self.policy, own, [rngs[i] for i in others.tolist()])
+        return chosen
+
+
+def _uniform(counts: IntArray, rngs: Sequence[np.random.Generator]) -> IntArray:
+    """Return a uniform number below each of the counts, (n,)."""
+    drawn = [rng.integers(count) for count, rng in zip(counts.tolist(), rngs, strict=True)]
+    return np.array(drawn, dtype=np.int64)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol, SupportsFloat, TypeAlias
+from dataclasses import dataclass, field
+from typing import Any, Final, Protocol, SupportsFloat, final
 
 import numpy as np
 
-from relforest.rl.experience import NO_LIMIT, Experience
-from relforest.rl.policy import Policy
-from relforest.scenes.arrays import IntArray
-from relforest.smdp import Decision, World
+from relforest.rl.experience import Experience
+from relforest.rl.policy import LockstepPolicy, Policy
+from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.smdp import Decisions, Lockstep, LockstepWorld, Outcomes, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report
@@ -18,8 +19,8 @@ from relforest.support.rng import generator, stream
 
 _RESET, _CHOICES = 0, 1
 
-Step: TypeAlias = tuple[int, int, float, float, bool, bool]
-"""State, position of the action, discounted reward, duration, terminal, truncated."""
+MOST_TOGETHER: Final = 1000
+"""Episodes that are played together, if the world offers it."""
 
 
 class Environment(Protocol):
@@ -70,6 +71,11 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     seed : numpy.random.SeedSequence
         Episode ``i`` uses two streams named by ``i``, one for the world and one for the policy.
 
+    Notes
+    -----
+    Episodes are played together if the world and the policy offer it (`LockstepWorld`, `LockstepPolicy`) and
+    no wrapper but those of ``gymnasium.make`` is around the world. The result is the same.
+
     Raises
     ------
     InputError
@@ -79,95 +85,181 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     ----------
     Palmer (2015), section 6.3 (gathering experience).
     """
-    world = world_of(env)
-    decisions: list[Decision] = []
-    steps: list[Step] = []
-    totals = []
-    for episode in range(at_least("episodes", episodes, 1)):
-        report("episodes", episode, episodes)
-        # Worlds written in other languages may accept only 32 bits.
-        _, info = env.reset(seed=int(stream(seed, episode, _RESET).generate_state(1)[0]))
-        total, elapsed = _play(env, policy, generator(stream(seed, episode, _CHOICES)), decisions, steps)
-        earlier, before = (float(info.get(f"{name}_before", 0.0)) for name in ("reward", "duration"))
-        totals.append((earlier + total, before + elapsed))
-    return experience_of(world, decisions, steps, totals)
+    world, episodes = world_of(env), at_least("episodes", episodes, 1)
+    log = _Log(type(world).__name__, np.zeros((2, episodes)))
+    begin = world.lockstep if isinstance(world, LockstepWorld) and _is_bare(env) else None
+    if begin is None or not isinstance(policy, LockstepPolicy):
+        for number in range(episodes):
+            report("episodes", number, episodes)
+            _, info = env.reset(seed=_reset(seed, number))
+            log.before[:, number] = [info.get(f"{name}_before", 0.0) for name in ("reward", "duration")]
+            _play(env, policy, _choices(seed, number), number, log)
+        report("episodes", episodes, episodes)
+        return log.experience()
+    for first in range(0, episodes, MOST_TOGETHER):
+        numbers = range(first, min(first + MOST_TOGETHER, episodes))
+        games = begin([_reset(seed, number) for number in numbers])
+        _play_together(games, policy, [_choices(seed, number) for number in numbers], first, log)
+    return log.experience()
 
 
-def _play(
-    env: Environment,
-    policy: Policy,
-    rng: np.random.Generator,
-    decisions: list[Decision],
-    steps: list[Step],
-) -> tuple[float, float]:
-    """Play an episode, note its states and transitions, and return its total reward and its duration."""
-    world = world_of(env)
-    decision, total, elapsed, ended = world.decision(), 0.0, 0.0, False
-    decisions.append(decision)
-    while not ended:
-        if not len(decision):
+def _reset(seed: np.random.SeedSequence, number: int) -> int:
+    # Worlds written in other languages may accept only 32 bits.
+    return int(stream(seed, number, _RESET).generate_state(1)[0])
+
+
+def _choices(seed: np.random.SeedSequence, number: int) -> np.random.Generator:
+    return generator(stream(seed, number, _CHOICES))
+
+
+def _is_bare(env: Environment) -> bool:
+    """Return whether no wrapper changes what happens in the world, or needs to see it."""
+    if env is env.unwrapped:
+        return True
+    from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker  # noqa: PLC0415 - loaded, as there is a wrapper
+
+    inner: Any = env
+    while type(inner) in (OrderEnforcing, PassiveEnvChecker):
+        inner = inner.env
+    return inner is env.unwrapped
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Log:
+    """What happened in a world, in the order of time."""
+
+    world: str
+    before: FloatArray
+    """Rewards and durations before the first decision of each episode, (2, e)."""
+    states: list[tuple[IntArray, Decisions]] = field(default_factory=list)
+    """The numbers of some episodes, and a state of each."""
+    steps: list[tuple[IntArray, IntArray, Outcomes]] = field(default_factory=list)
+    """Their numbers, the positions of the actions, and what they brought."""
+
+    def add_states(self, numbers: IntArray, decisions: Decisions) -> None:
+        self.states.append((numbers, decisions))
+
+    def stuck(self) -> InputError:
+        return InputError(f"{self.world} offers no action in a state that does not end the episode")
+
+    def add_steps(self, numbers: IntArray, positions: IntArray, outcomes: Outcomes) -> None:
+        """Note what happened in steps, after a check of their durations."""
+        durations = outcomes.durations
+        is_right = (durations >= 0.0) & (durations < np.inf)
+        if not is_right.all():
             raise InputError(
-                f"{type(world).__name__} offers no action in a state that does not end the episode"
+                f'{self.world} must report a finite info["duration"] of at least 0 after a step, '
+                f"got {durations[~is_right].tolist()[0]}"
             )
-        state, position = len(decisions) - 1, policy.choose(decision, rng)
-        _, reward, terminal, truncated, info = env.step(int(decision.indices[position]))
-        duration = _duration(info, world)
-        decision = world.decision()
-        decisions.append(decision)
-        discounted = float(info.get("discounted_reward", reward))
-        steps.append((state, position, discounted, duration, bool(terminal), bool(truncated)))
-        total, elapsed, ended = total + float(reward), elapsed + duration, terminal or truncated
-    return total, elapsed
+        self.steps.append((numbers, positions, outcomes))
+
+    def experience(self) -> Experience:
+        numbers, decisions = zip(*self.states, strict=True)
+        owners, positions, outcomes = zip(*self.steps, strict=True)
+        return experience_of(
+            Decisions.joined(decisions),
+            np.concatenate(numbers),
+            np.concatenate(owners),
+            np.concatenate(positions),
+            Outcomes(*map(np.concatenate, zip(*outcomes, strict=True))),
+            self.before,
+        )
 
 
-def experience_of(
-    world: World,
-    decisions: Sequence[Decision],
-    steps: Sequence[Step],
-    totals: Sequence[tuple[float, float]],
-) -> Experience:
-    """Return what happened in columns; the state after a step is the next one noted."""
-    arity = max((action_type.arity for action_type in world.action_types), default=0)
-    columns: list[tuple[Any, ...]] = list(zip(*steps, strict=True)) or [()] * 6
-    states, positions, rewards, durations, terminal, truncated = columns
-    candidates = _offsets([len(decision) for decision in decisions])
-    before = np.array(states, dtype=np.int64)
-    return Experience(
-        matrix=np.concatenate(
-            [np.empty((0, world.schema.width)), *(decision.objects for decision in decisions)]
-        ),
-        objects=_offsets([decision.n_objects for decision in decisions]),
-        private=np.array([decision.n_private for decision in decisions], dtype=np.int64),
-        remaining=np.array(
-            [NO_LIMIT if decision.remaining is None else decision.remaining for decision in decisions],
-            dtype=np.int64,
-        ),
-        candidates=candidates,
-        types=np.concatenate([np.empty(0, np.int64), *(decision.types for decision in decisions)]),
-        arguments=np.concatenate(
-            [np.empty((0, arity), np.int64), *(decision.arguments for decision in decisions)]
-        ),
-        states=before,
-        next_states=before + 1,
-        actions=candidates[before] + np.array(positions, dtype=np.int64),
-        rewards=np.array(rewards, dtype=np.float64),
-        durations=np.array(durations, dtype=np.float64),
-        terminal=np.array(terminal, dtype=np.bool_),
-        truncated=np.array(truncated, dtype=np.bool_),
-        episode_rewards=np.array([total for total, _ in totals], dtype=np.float64),
-        episode_durations=np.array([elapsed for _, elapsed in totals], dtype=np.float64),
+def _play(env: Environment, policy: Policy, rng: np.random.Generator, number: int, log: _Log) -> None:
+    """Play the episode that has begun."""
+    world = world_of(env)
+    decisions, ended = [world.decision()], False
+    positions: list[int] = []
+    steps: list[tuple[float, float, float, bool, bool]] = []
+    while not ended:
+        if not len(decisions[-1]):
+            raise log.stuck()
+        positions.append(policy.choose(decisions[-1], rng))
+        action = int(decisions[-1].indices[positions[-1]])
+        _, reward, terminal, truncated, info = env.step(action)
+        decisions.append(world.decision())
+        discounted, duration = info.get("discounted_reward", reward), info.get("duration", np.nan)
+        ended = bool(terminal or truncated)
+        steps.append((float(reward), float(discounted), float(duration), bool(terminal), bool(truncated)))
+    log.add_states(np.full(len(decisions), number), Decisions.of(decisions))
+    log.add_steps(
+        np.full(len(steps), number),
+        np.array(positions),
+        Outcomes(*map(np.array, zip(*steps, strict=True))),
     )
 
 
-def _offsets(counts: Sequence[int]) -> IntArray:
-    return np.cumsum([0, *counts], dtype=np.int64)
+def _play_together(
+    games: Lockstep, policy: LockstepPolicy, rngs: Sequence[np.random.Generator], first: int, log: _Log
+) -> None:
+    """Play episodes to their ends; they are numbered from `first`."""
+    report("episodes", first, log.before.shape[1])
+    running = np.arange(len(rngs))
+    log.before[:, first + running] = games.before
+    decisions = games.decisions(running)
+    log.add_states(first + running, decisions)
+    while len(running):
+        if not decisions.n_actions.all():
+            raise log.stuck()
+        positions = policy.choose_all(decisions, [rngs[i] for i in running.tolist()])
+        outcomes = games.step(running, decisions.indices[decisions.candidates[:-1] + positions])
+        log.add_steps(first + running, positions, outcomes)
+        decisions = games.decisions(running)
+        log.add_states(first + running, decisions)
+        ended = outcomes.terminal | outcomes.truncated
+        if ended.any():
+            running, decisions = running[~ended], decisions.take(np.flatnonzero(~ended))
+            report("episodes", first + len(rngs) - len(running), log.before.shape[1])
 
 
-def _duration(info: dict[str, Any], world: World) -> float:
-    duration = float(info.get("duration", np.nan))
-    if not 0.0 <= duration < np.inf:
-        raise InputError(
-            f'{type(world).__name__} must report a finite info["duration"] of at least 0 after a step, '
-            f"got {duration}"
-        )
-    return duration
+def experience_of(
+    states: Decisions,
+    episodes: IntArray,
+    owners: IntArray,
+    positions: IntArray,
+    outcomes: Outcomes,
+    before: FloatArray,
+) -> Experience:
+    """Return what happened in columns, sorted by episode.
+
+    Parameters
+    ----------
+    states : Decisions
+        Of all episodes, those of the same one in the order of time: one more than it has steps.
+    episodes : (s,) int64
+        The episode of each state; episodes are numbered from 0.
+    owners, positions : (n,) int64
+        The episode of each step, and the position of the action that was taken.
+    outcomes : Outcomes
+        What the steps brought.
+    before : (2, e) float64
+        Reward and duration of each episode before its first decision.
+    """
+    order = np.argsort(owners, kind="stable")
+    totals = before.copy()
+    np.add.at(totals[0], owners, outcomes.rewards)
+    np.add.at(totals[1], owners, outcomes.durations)
+    states = states.take(np.argsort(episodes, kind="stable"))
+    owners = owners[order]
+    # Each episode has one more state than steps.
+    places = np.arange(len(owners)) + owners
+    return Experience(
+        matrix=states.matrix,
+        objects=states.objects,
+        private=states.private,
+        remaining=states.remaining,
+        candidates=states.candidates,
+        types=states.types,
+        arguments=states.arguments,
+        states=places,
+        next_states=places + 1,
+        actions=states.candidates[places] + positions[order],
+        rewards=outcomes.discounted[order],
+        durations=outcomes.durations[order],
+        terminal=outcomes.terminal[order],
+        truncated=outcomes.truncated[order],
+        episode_rewards=totals[0],
+        episode_durations=totals[1],
+    )

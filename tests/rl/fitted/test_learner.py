@@ -17,12 +17,12 @@ from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.forest_arrays import forest_mean, forests_of, joined
 from relforest.rl.fitted.horizon import Horizon
 from relforest.rl.fitted.learner import QKnowledge
-from relforest.rl.policy import GreedyPolicy
+from relforest.rl.policy import GreedyPolicy, RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.saved_policy import read_policy
 from relforest.runs.learner import advance
 from relforest.runs.store import RunStore
-from relforest.smdp import Decision
+from relforest.smdp import Decision, Decisions
 from relforest.support.errors import InputError, ModelFormatError
 from rl.small_worlds import Picking
 
@@ -77,6 +77,20 @@ def test_values_do_not_depend_on_the_order_of_objects(world: type[Picking]) -> N
     turned = replace(decision, objects=decision.objects[order], arguments=arguments)
     assert state.value is not None
     np.testing.assert_allclose(state.value.values(turned), state.value.values(decision))
+
+
+def test_states_with_other_numbers_of_remaining_actions_can_be_valued_together() -> None:
+    value, env, rng = learned(Limited(things=6), 1).value, Limited(things=6), np.random.default_rng(0)
+    assert value is not None
+    seen = []
+    for seed in range(8):
+        env.reset(seed=seed)
+        for _ in range(seed % 4):
+            env.step(env.decision().indices[RandomPolicy().choose(env.decision(), rng)])
+        seen.append(env.decision())
+    assert {each.remaining for each in seen} == {1, 2, 3, 4}
+    found = value.values_all(Decisions.of(seen))
+    np.testing.assert_array_equal(found, np.concatenate([value.values(each) for each in seen]))
 
 
 @pytest.mark.parametrize("world", [Picking, Limited])

@@ -16,6 +16,7 @@ from gymnasium.utils.env_checker import check_env
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.rollout import experience_of
 from relforest.scenes import Scenes, Schema
+from relforest.smdp import Decisions, Outcomes
 from relforest.support.errors import InputError
 from relforest.testing import check_world
 from relforest.worlds.blocks.arm import OptionResult
@@ -256,7 +257,11 @@ def test_a_move_sees_the_blocks_and_its_own_target() -> None:
     staged(env, (half, (-10, 2, 0)), (half, (10, 2, 0)))
     # For each of two blocks: onto the other, half the way towards it, a tenth farther away.
     targets = [10.0, 0.0, -12.0, -10.0, 0.0, 12.0]
-    experience = experience_of(env, [env.decision()], [], [])
+    nothing, never, first = np.empty(0), np.empty(0, dtype=np.bool_), np.empty(0, dtype=np.int64)
+    outcomes = Outcomes(nothing, nothing, nothing, never, never)
+    experience = experience_of(
+        Decisions.of([env.decision()]), np.zeros(1, np.int64), first, first, outcomes, np.zeros((2, 1))
+    )
     moves = np.flatnonzero(experience.types == ARCH_ACTIONS.index(MOVE))
     scenes = action_scenes(experience, moves, Schema(SCHEMA.attributes, MOVE.parameters))
     assert scenes.counts.tolist() == [3] * 6

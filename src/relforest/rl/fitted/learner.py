@@ -11,7 +11,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from relforest.rl.configuration import check_world, describe_run
-from relforest.rl.experience import NO_LIMIT, Experience
+from relforest.rl.experience import Experience
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.fitted.additive import Sum, improved
 from relforest.rl.fitted.evidence import Evidence
@@ -32,6 +32,7 @@ from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, Rando
 from relforest.rl.policy_json import POLICY
 from relforest.rl.rollout import Environment, rollout, world_of
 from relforest.runs.learner import Row, Snapshot
+from relforest.smdp import NO_LIMIT
 from relforest.support.progress import part
 from relforest.support.rng import generator, stream
 

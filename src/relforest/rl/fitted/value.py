@@ -9,11 +9,11 @@ import numpy as np
 
 from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
-from relforest.rl.fitted.questions import measured_rows
+from relforest.rl.fitted.questions import Measures, measured_rows
 from relforest.rl.fitted.view import View
 from relforest.scenes import Schema
-from relforest.scenes.arrays import FloatArray
-from relforest.smdp import ActionType, Decision
+from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.smdp import NO_LIMIT, ActionType, Decision, Decisions
 
 Learned: TypeAlias = Sum | Horizon
 
@@ -46,25 +46,42 @@ class QValue:
 
         The decision must come from a world with this schema and these action types; this is not checked.
         """
-        out = np.empty(len(decision))
-        objects = self.view.seen(decision.objects)
+        return self.values_all(Decisions.of([decision]))
+
+    def values_all(self, decisions: Decisions) -> FloatArray:
+        """Return Q of the actions of each decision, one after the other."""
+        out = np.empty(len(decisions.types))
+        matrix, owners = self.view.seen(decisions.matrix), decisions.owners
+        first, rows = decisions.objects[:-1], np.arange(len(matrix))
         # Private objects are bound by the actions that see them, so they need not be searched.
-        shared = np.arange(decision.n_shared)
+        n_shared = np.diff(decisions.objects) - decisions.private
         for number, (packed, action_type) in enumerate(
             zip(self.learned.packed, self.action_types, strict=True)
         ):
-            chosen = np.flatnonzero(decision.types == number)
+            chosen = np.flatnonzero(decisions.types == number)
             if not len(chosen):
                 continue
-            arguments = np.ascontiguousarray(decision.arguments[chosen, : action_type.arity])
-            starts, counts = np.zeros(len(chosen), dtype=np.int64), np.full(len(chosen), len(shared))
-            seen = measured_rows(packed, objects, (shared, starts, counts, arguments))
-            n_private = np.count_nonzero(arguments >= decision.n_shared, axis=1)
-            out[chosen] = self.learned.worth(
-                number, seen._replace(n_objects=counts + n_private), decision.remaining
-            )
+            positions = np.ascontiguousarray(decisions.arguments[chosen, : action_type.arity])
+            own = owners[chosen]
+            counts, starts = n_shared[own], first[own]
+            seen = measured_rows(packed, matrix, (rows, starts, counts, positions + starts[:, None]))
+            n_private = np.count_nonzero(positions >= counts[:, None], axis=1)
+            seen = seen._replace(n_objects=counts + n_private)
+            out[chosen] = self._worth(number, seen, decisions.remaining[own])
         if self.learned.base is not None:
-            is_base = decision.types == self.learned.base
-            if is_base.any():
-                out[~is_base] += out[is_base][0]
+            bases = np.flatnonzero(decisions.types == self.learned.base)
+            states, places = np.unique(owners[bases], return_index=True)
+            of_base = np.zeros(len(decisions))
+            of_base[states] = out[bases[places]]
+            others = decisions.types != self.learned.base
+            out[others] += of_base[owners[others]]
+        return out
+
+    def _worth(self, number: int, seen: Measures, remaining: IntArray) -> FloatArray:
+        """Return what actions (n,) of one type are worth, where so many (n,) can still be taken."""
+        out = np.empty(len(remaining))
+        for left in np.unique(remaining).tolist():
+            own = remaining == left
+            part = Measures(*(column[own] for column in seen))
+            out[own] = self.learned.worth(number, part, None if left == NO_LIMIT else left)
         return out

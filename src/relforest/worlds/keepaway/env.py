@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, final
 
 import numpy as np
 
 from relforest.playing.frames import Frame, Stage
 from relforest.playing.shapes import Words
-from relforest.smdp import Decision
+from relforest.smdp import Decision, Lockstep
 from relforest.support.rng import seed_sequence
 from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.environment import Arrays, Info, Policies, Step, WorldEnv
@@ -17,6 +18,7 @@ from relforest.worlds.keepaway.decisions.policies import HandCodedPolicy, HoldPo
 from relforest.worlds.keepaway.decisions.scene import ACTION_TYPES, NOBODY, SCHEMA
 from relforest.worlds.keepaway.frames import game_frame, game_stage, player_chip
 from relforest.worlds.keepaway.play.batch import DISCOUNT, END_NAMES, Batch
+from relforest.worlds.keepaway.play.lockstep import LockstepGames
 from relforest.worlds.keepaway.server.layout import CAPPED, OUT, PLAYING, SECOND, TAKEN
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.spaces import action_space, observation_space
@@ -114,6 +116,11 @@ class KeepawayEnv(WorldEnv):
     def decision(self) -> Decision:
         """Return the players and the available ground actions of the present state."""
         return self.batch.decision(0)
+
+    @property
+    def lockstep(self) -> Callable[[Sequence[int]], Lockstep] | None:
+        """What begins an episode for each of several seeds; None if somebody watches this one."""
+        return partial(LockstepGames, self.setup, self.discount) if self._watching is None else None
 
     @property
     def policies(self) -> Policies:

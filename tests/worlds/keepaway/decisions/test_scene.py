@@ -14,6 +14,7 @@ from relforest.worlds.keepaway.decisions.scene import (
     attributes_of,
     blank_scenes,
     decision,
+    decisions,
     describe,
     location_of,
     objects,
@@ -81,6 +82,18 @@ def test_two_keepers_have_one_pass() -> None:
     found = decision(objects(2, 1), 0, np.array([1]))
     check_decision(found, SCHEMA, ACTION_TYPES)
     assert [found.action(i) for i in range(2)] == [Action(0, (0,)), Action(1, (0, 1))]
+
+
+def test_decisions_of_several_games_are_those_of_each() -> None:
+    matrices = np.stack([objects(3, 2) + i for i in range(3)])
+    actors, receivers = np.array([1, NOBODY, 2]), np.array([[2, 0], [0, 0], [0, 1]])
+    found = decisions(matrices, actors, receivers)
+    assert found.n_actions.tolist() == [3, 0, 3]
+    for each, *state in zip(found, matrices, actors, receivers, strict=True):
+        check_decision(each, SCHEMA, ACTION_TYPES)
+        alone = decision(*state)
+        for name in ("objects", "types", "arguments", "indices"):
+            np.testing.assert_array_equal(getattr(each, name), getattr(alone, name))
 
 
 def test_nobody_has_no_action() -> None:

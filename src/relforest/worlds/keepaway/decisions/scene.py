@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes import Attribute, Scenes, Schema
-from relforest.smdp import UNBOUND, ActionType, Decision
+from relforest.smdp import NO_LIMIT, UNBOUND, ActionType, Decision, Decisions
 from relforest.support.jit import kernel
 from relforest.worlds.keepaway.server.layout import BODY, X, Y
 
@@ -92,14 +92,30 @@ def blank_scenes(games: int, keepers: int, takers: int) -> Scenes:
 
 
 def decision(matrix: NDArray[np.float64], actor: int, receivers: NDArray[np.int64]) -> Decision:
-    """Return the objects (n, 6) and the actions of a state.
+    """Return the objects (n, 6) and the actions of a state, see `decisions`."""
+    return decisions(matrix[None], np.array([actor]), receivers[None])[0]
 
-    No action is available if the actor is `NOBODY` rather than the keeper that must decide. Receivers are its
-    teammates in the order of the actions 1, 2, ...: the nearest to it first.
+
+def decisions(
+    matrices: NDArray[np.float64], actors: NDArray[np.int64], receivers: NDArray[np.int64]
+) -> Decisions:
+    """Return the objects (s, n, 6) and the actions of states.
+
+    No action is available if the actor (s,) is `NOBODY` rather than the keeper that must decide. Receivers
+    (s, K - 1) are its teammates in the order of the actions 1, 2, ...: the nearest to it first.
     """
-    count = 0 if actor == NOBODY else len(receivers) + 1
-    arguments = np.full((count, 2), UNBOUND)
-    if count:
-        arguments[:, 0], arguments[1:, 1] = actor, receivers
-    indices = np.arange(count)
-    return Decision(matrix, np.minimum(indices, PASS_TYPE), arguments, indices)
+    (n_states, n_players, width), n_actions = matrices.shape, receivers.shape[1] + 1
+    is_asked = actors != NOBODY
+    arguments = np.full((np.count_nonzero(is_asked), n_actions, 2), UNBOUND)
+    arguments[:, :, 0], arguments[:, 1:, 1] = actors[is_asked, None], receivers[is_asked]
+    indices = np.tile(np.arange(n_actions), len(arguments))
+    return Decisions(
+        matrices.reshape(-1, width),
+        np.arange(n_states + 1) * n_players,
+        np.zeros(n_states, dtype=np.int64),
+        np.full(n_states, NO_LIMIT),
+        np.concatenate([[0], np.cumsum(is_asked * n_actions)]),
+        np.minimum(indices, PASS_TYPE),
+        arguments.reshape(-1, 2),
+        indices,
+    )

@@ -1,6 +1,6 @@
 """A batch of games, played from one decision to the next with a single kernel call.
 
-`env`, `vector` and `parallel` are built on it. A game depends only on its own seed and actions.
+`env`, `lockstep`, `vector` and `parallel` are built on it. A game depends only on its own seed and actions.
 """
 
 from __future__ import annotations
@@ -15,10 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes import Scenes
-from relforest.smdp import Decision
+from relforest.smdp import Decision, Decisions
 from relforest.support.errors import InputError
 from relforest.support.jit import kernel
-from relforest.worlds.keepaway.decisions.scene import attributes_of, blank_scenes, decision, describe, objects
+from relforest.worlds.keepaway.decisions.scene import (
+    attributes_of,
+    blank_scenes,
+    decisions,
+    describe,
+    objects,
+)
 from relforest.worlds.keepaway.decisions.variables import (
     by_distance,
     n_variables,
@@ -122,11 +128,11 @@ class Batch:
         ``watch`` is called and errors are raised as by `play`.
         """
         codes = np.full(len(self), RESTART)
-        for g, seed in enumerate(seeds):
-            if seed is not None:
-                for mine, fresh in zip(self.games, new_games(self.setup, [seed]), strict=True):
-                    mine[g] = fresh[0]
-                codes[g] = START
+        begun = np.array([seed is not None for seed in seeds])
+        fresh = new_games(self.setup, [seed for seed in seeds if seed is not None])
+        for mine, new in zip(self.games, fresh, strict=True):
+            mine[begun] = new
+        codes[begun] = START
         self.play(codes, watch)
 
     def play(self, actions: NDArray[np.int64], watch: Callable[[], None] | None = None) -> None:
@@ -135,8 +141,8 @@ class Batch:
         Parameters
         ----------
         actions : (G,) int64
-            The answer to the pending decision: 0 = hold, i = pass to the i-th of the receivers; or `START`
-            or `RESTART`. It is not checked.
+            The answer to the pending decision: 0 = hold, i = pass to the i-th of the receivers; or `START`,
+            `RESTART`, or `GO_ON` to leave the game as it is. It is not checked.
         watch : callable, optional
             Called after every cycle, and when an episode has begun.
 
@@ -194,8 +200,11 @@ class Batch:
 
     def decision(self, g: int) -> Decision:
         """Return the objects and the available actions of one game."""
-        seen = self.seen
-        return decision(seen.objects[g].copy(), int(seen.actors[g]), seen.receivers[g])
+        return self.decisions(np.array([g]))[0]
+
+    def decisions(self, games: NDArray[np.int64]) -> Decisions:
+        """Return the objects and the available actions of some games."""
+        return decisions(self.seen.objects[games], self.seen.actors[games], self.seen.receivers[games])
 
     def discounted(self, discount: float) -> NDArray[np.float64]:
         """Return the sum of ``discount**k`` over the cycles k = 0, 1, ... since the decision before, (G,)."""
