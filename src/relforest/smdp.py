@@ -278,11 +278,9 @@ class Decisions:
 
     def __post_init__(self) -> None:
         for name in _NAMES:
-            array = getattr(self, name)
-            if array.flags.writeable:
-                array = array.view()
-                array.flags.writeable = False
-                object.__setattr__(self, name, array)
+            array = getattr(self, name).view()
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
 
     @classmethod
     def of(cls, decisions: Sequence[Decision]) -> Decisions:
@@ -304,7 +302,7 @@ class Decisions:
         """Return all decisions of at least one part, in the given order."""
         columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES}
         for name in ("objects", "candidates"):
-            counts = [_sizes(getattr(part, name)) for part in parts]
+            counts = [np.diff(getattr(part, name)) for part in parts]
             columns[name] = np.cumsum(np.concatenate([[0], *counts]))
         return cls(**columns)
 
@@ -333,7 +331,7 @@ class Decisions:
     @property
     def n_actions(self) -> NDArray[np.int64]:
         """The number of actions that each decision offers, (s,)."""
-        return _sizes(self.candidates)
+        return np.diff(self.candidates)
 
     @property
     def owners(self) -> NDArray[np.int64]:
@@ -359,16 +357,11 @@ class Decisions:
 _NAMES = tuple(field.name for field in fields(Decisions))
 
 
-def _sizes(offsets: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return how many members each group has; `numpy.diff` takes far longer for a few groups."""
-    return offsets[1:] - offsets[:-1]
-
-
 def _gathered(
     offsets: NDArray[np.int64], order: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the members of groups in another order, and where the groups then begin and end."""
-    counts = _sizes(offsets)[order]
+    counts = np.diff(offsets)[order]
     ends = np.concatenate([[0], np.cumsum(counts)])
     return np.arange(ends[-1]) + np.repeat(offsets[order] - ends[:-1], counts), ends
 
