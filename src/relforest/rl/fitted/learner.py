@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, Final, final
 
 import numpy as np
 
 from relforest.rl.configuration import check_world, describe_run
-from relforest.rl.experience import Experience
+from relforest.rl.experience import Experience, concatenate
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.fitted.additive import Sum, improved
 from relforest.rl.fitted.evidence import Evidence
@@ -37,6 +37,7 @@ from relforest.support.progress import part
 from relforest.support.rng import generator, stream
 
 _TRAINING, _TESTING, _LEARNING = 0, 1, 2
+_PER_EPISODES: Final = 100
 
 
 @final
@@ -94,18 +95,21 @@ class QLearner:
         return QKnowledge(None, ())
 
     def iterate(self, state: QKnowledge, number: int) -> QKnowledge:
-        """Gain training experience and learn from it."""
-        seed = stream(self.seed, number)
-        with part("training"):
-            policy = _policy(state, self.settings.epsilon)
-            batch = rollout(self.env, policy, self.episodes, stream(seed, _TRAINING))
-        batches = (*state.batches, batch)
-        with part("learning"):
-            value = self._learned(state.value, batches, generator(stream(seed, _LEARNING)))
-        return QKnowledge(value, batches)
+        """Gain training experience, and learn from it as soon as there is a share more."""
+        seed, batches, value = stream(self.seed, number), state.batches, state.value
+        n_before = sum(batch.n_episodes for batch in batches)
+        gained: tuple[Experience, ...] = ()
+        for place, size in enumerate(portions(n_before, self.episodes, self.settings)):
+            with part("training"):
+                policy, portion = _policy(value, self.settings.epsilon), stream(seed, _TRAINING, place)
+                gained = (*gained, rollout(self.env, policy, size, portion))
+            with part("learning"):
+                rng = generator(stream(seed, _LEARNING, place))
+                value = self._learned(value, (*batches, *gained), rng, size)
+        return QKnowledge(value, (*batches, concatenate(gained)))
 
     def _learned(
-        self, before: QValue | None, batches: tuple[Experience, ...], rng: np.random.Generator
+        self, before: QValue | None, batches: tuple[Experience, ...], rng: np.random.Generator, n_new: int
     ) -> QValue:
         world, settings = world_of(self.env), self.settings
         view = before.view if before else View.of(world.schema, batches[0].matrix, settings.max_values)
@@ -118,14 +122,16 @@ class QLearner:
         known = None if before is None else before.learned
         if not isinstance(known, Sum):
             known = Sum.zero(schemas, evidence.base_type())
-        learned = improved(known, evidence, settings.curves, rng, is_first=before is None)
+        rounds = max(1, round(settings.curves.rounds * n_new / _PER_EPISODES))
+        curves = replace(settings.curves, rounds=rounds)
+        learned = improved(known, evidence, curves, rng, is_first=before is None)
         return QValue(view, world.action_types, learned)
 
     def evaluate(self, state: QKnowledge, number: int) -> Row:
         """Play test episodes with the policy."""
         with part("testing"):
             seed = stream(self.seed, number, _TESTING)
-            tested = rollout(self.env, _policy(state, 0.0), self.test_episodes, seed)
+            tested = rollout(self.env, _policy(state.value, 0.0), self.test_episodes, seed)
         trained = float(state.batches[-1].episode_rewards.mean()) if state.batches else None
         trees, leaves = (0, 0) if state.value is None else state.value.learned.size
         return {
@@ -162,10 +168,29 @@ class QLearner:
         return QKnowledge(value, read_experience(folder, number, value.schema, value.action_types))
 
 
-def _policy(state: QKnowledge, epsilon: float) -> Policy:
-    if state.value is None:
+def portions(n_before: int, episodes: int, settings: QSettings) -> Iterator[int]:
+    """Yield how many of the episodes of an iteration are played before each time of learning.
+
+    Parameters
+    ----------
+    n_before : int
+        Training episodes of earlier iterations.
+    episodes : int
+        Those of this iteration.
+    settings : QSettings
+    """
+    while episodes:
+        size = max(settings.portion, int(n_before * settings.growth))
+        # What would be left over is not worth learning for.
+        size = episodes if 2 * episodes < 3 * size else size
+        yield size
+        n_before, episodes = n_before + size, episodes - size
+
+
+def _policy(value: QValue | None, epsilon: float) -> Policy:
+    if value is None:
         return RandomPolicy()
-    policy = GreedyPolicy(state.value)
+    policy = GreedyPolicy(value)
     return EpsilonGreedyPolicy(policy, epsilon) if epsilon else policy
 
 

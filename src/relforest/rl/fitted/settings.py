@@ -21,7 +21,7 @@ class CurveSettings:
     Parameters
     ----------
     rounds : int
-        Rounds of new questions in an iteration.
+        Rounds of new questions for every hundred new episodes, at least one each time of learning.
     candidates : int
         Random questions tried for an action type in a round.
     kept : int
@@ -96,6 +96,10 @@ class QSettings:
     ----------
     epsilon : float
         Probability of a uniformly random action in training after the first iteration, 0 to 1.
+    portion : int
+        It learns again after at least so many training episodes, also within an iteration.
+    growth : float
+        It learns again when there is this share more of them, 0 to 1.
     max_samples : int
         Most transitions that are learned from: those of the latest batches.
     max_values : int
@@ -110,6 +114,8 @@ class QSettings:
     """
 
     epsilon: float = 0.05
+    portion: int = 25
+    growth: float = 0.25
     max_samples: int = 100_000
     max_values: int = 6
     curves: CurveSettings = field(default_factory=CurveSettings)
@@ -117,6 +123,8 @@ class QSettings:
 
     def __post_init__(self) -> None:
         in_range("epsilon", self.epsilon, 0.0, 1.0)
+        at_least("portion", self.portion, 1)
+        in_range("growth", self.growth, 0.0, 1.0)
         at_least("max_samples", self.max_samples, 1)
         at_least("max_values", self.max_values, 0)
         for name, cls in (("curves", CurveSettings), ("forests", ForestSettings)):
