@@ -16,7 +16,7 @@ from relforest.rl.fitted import CurveSettings, ForestSettings, QLearner, QSettin
 from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.forest_arrays import forest_mean, forests_of, joined
 from relforest.rl.fitted.horizon import Horizon
-from relforest.rl.fitted.learner import QKnowledge
+from relforest.rl.fitted.learner import QKnowledge, portions
 from relforest.rl.policy import GreedyPolicy, RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.saved_policy import read_policy
@@ -123,6 +123,16 @@ def test_the_policy_of_a_run_that_has_not_learned_is_an_error(tmp_path: Path) ->
     RunStore(tmp_path, found).write(advance(found, None)[0])
     with pytest.raises(InputError, match="has not learned anything yet"):
         read_policy(tmp_path)
+
+
+def test_it_learns_again_when_there_is_a_share_more() -> None:
+    assert list(portions(0, 100, QSettings())) == [25, 25, 25, 25]
+    assert list(portions(200, 100, QSettings())) == [50, 50]
+    # The last portion takes what would be left over.
+    assert list(portions(100, 100, QSettings())) == [25, 31, 44]
+    assert list(portions(1000, 100, QSettings())) == [100]
+    for episodes in (1, 30, 500):
+        assert sum(portions(0, episodes, QSettings())) == episodes
 
 
 class Generous(Picking):

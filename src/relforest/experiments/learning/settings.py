@@ -79,6 +79,7 @@ HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLOR
 
 N_RUNS: Final = 10
 _TESTS: Final = 200
+_FEWER: Final = 100
 _HAND_TESTS: Final = 2000
 _BATCH: Final = 100
 
@@ -111,8 +112,8 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
             for setting in _runs(KEEPAWAY, f"smrf-rpi, {size} episodes{discount}", size, count, runs=5)
         ),
     ),
-    TOWERS: (*_hand_made(TOWERS, "large-first", "random"), *_runs(TOWERS, OURS, _BATCH, 10)),
-    COLORS: (*_hand_made(COLORS, "manual", "random"), *_runs(COLORS, OURS, _BATCH, 10)),
+    TOWERS: (*_hand_made(TOWERS, "large-first", "random"), *_runs(TOWERS, OURS, _BATCH, 10, tests=_FEWER)),
+    COLORS: (*_hand_made(COLORS, "manual", "random"), *_runs(COLORS, OURS, _BATCH, 5, tests=_FEWER)),
 }
 SMOKE: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
     task: (
