@@ -51,13 +51,14 @@ def test_the_recipes_for_extensions_give_what_they_say(capsys: pytest.CaptureFix
     assert capsys.readouterr().out.split() == shown[0].split()
 
 
-def test_the_page_on_bags_shows_what_its_code_prints(capsys: pytest.CaptureFixture[str]) -> None:
-    text = (ROOT / "docs" / "multiple-instance-learning.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize(("page", "count"), [("multiple-instance-learning", 2), ("q-learning", 1)])
+def test_pages_show_what_their_code_prints(page: str, count: int, capsys: pytest.CaptureFixture[str]) -> None:
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
     pairs = re.findall(r"```python\n([^`]*)```\n\n```\n([^`]*)```", text)
     # Published data sets may not be at hand.
     own = [(code, output) for code, output in pairs if "fetch_" not in code]
     variables: dict[str, object] = {}
     for code, output in own:
-        exec(compile(code, "multiple-instance-learning.md", "exec"), variables)  # noqa: S102 - our own
+        exec(compile(code, f"{page}.md", "exec"), variables)  # noqa: S102 - our own
         assert capsys.readouterr().out == output
-    assert len(own) == 2
+    assert len(own) == count
