@@ -95,12 +95,12 @@ def _q_learner(
     options: Options,
     episodes: tuple[int, int],
     seed: np.random.SeedSequence,
-    n_jobs: int,  # noqa: ARG001 - of every learner
+    n_jobs: int,
 ) -> Learner[Any]:
     from relforest.rl.fitted.learner import QLearner
 
     env = task.make(Q_DISCOUNT if options["discount"] is None else options["discount"])
-    return QLearner(env, options["q"] or QSettings(), seed, *episodes)
+    return QLearner(env, options["q"] or QSettings(), seed, *episodes, n_jobs)
 
 
 def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner

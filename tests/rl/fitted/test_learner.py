@@ -17,6 +17,7 @@ from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.forest_arrays import forest_mean, forests_of, joined
 from relforest.rl.fitted.horizon import Horizon
 from relforest.rl.fitted.learner import QKnowledge, portions
+from relforest.rl.fitted.policy_json import describe
 from relforest.rl.policy import GreedyPolicy, RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.saved_policy import read_policy
@@ -123,6 +124,16 @@ def test_the_policy_of_a_run_that_has_not_learned_is_an_error(tmp_path: Path) ->
     RunStore(tmp_path, found).write(advance(found, None)[0])
     with pytest.raises(InputError, match="has not learned anything yet"):
         read_policy(tmp_path)
+
+
+@pytest.mark.parametrize("world", [Picking, Limited])
+def test_threads_do_not_change_what_is_learned(world: type[Picking]) -> None:
+    one, two = (
+        replace(learner(world(things=4)), n_jobs=n_jobs).iterate(QKnowledge(None, ()), 1) for n_jobs in (1, 2)
+    )
+    assert one.value is not None
+    assert two.value is not None
+    assert describe(one.value) == describe(two.value)
 
 
 def test_it_learns_again_when_there_is_a_share_more() -> None:

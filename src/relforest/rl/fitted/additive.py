@@ -148,7 +148,7 @@ class _Fit:
     @classmethod
     def of(cls, total: Sum, evidence: Evidence) -> _Fit:
         found = [
-            features_of(packed, own, scenes)
+            features_of(packed, own, scenes, evidence.n_jobs)
             for packed, own, scenes in zip(total.packed, total.questions, evidence.scenes, strict=True)
         ]
         return cls(total, evidence, tuple(found))
@@ -159,7 +159,7 @@ class _Fit:
             return self
         total, schema = self.total, self.total.schemas[number]
         packed = pack_conditions(schema, [question.condition for question in added])
-        more = features_of(packed, added, self.evidence.scenes[number])
+        more = features_of(packed, added, self.evidence.scenes[number], self.evidence.n_jobs)
         questions, features = list(total.questions), list(self.features)
         questions[number] = (*questions[number], *added)
         features[number] = np.hstack([features[number], more])

@@ -41,6 +41,8 @@ class Evidence:
         Discounted reward inside the action; discount of what follows, 0 where nothing does.
     follows : (n,) bool
         Whether the next transition begins where this one ends.
+    n_jobs : int
+        Threads that measure its scenes.
     """
 
     scenes: tuple[Scenes, ...]
@@ -55,10 +57,16 @@ class Evidence:
     rewards: FloatArray
     discounts: FloatArray
     follows: BoolArray
+    n_jobs: int = 1
 
     @classmethod
     def of(
-        cls, batches: Sequence[Experience], view: View, schemas: Sequence[Schema], discount: float
+        cls,
+        batches: Sequence[Experience],
+        view: View,
+        schemas: Sequence[Schema],
+        discount: float,
+        n_jobs: int = 1,
     ) -> Evidence:
         """Return the evidence of batches of experience."""
         pool = concatenate(batches)
@@ -75,7 +83,7 @@ class Evidence:
         owner = np.repeat(np.arange(pool.n_states), offers)
         return cls(
             scenes, candidates, pool.types, owner, pool.candidates, pool.remaining,
-            pool.actions, pool.states, pool.next_states, pool.rewards, discounts, follows,
+            pool.actions, pool.states, pool.next_states, pool.rewards, discounts, follows, n_jobs,
         )  # fmt: skip
 
     @property

@@ -138,7 +138,7 @@ def learned_backwards(
         for schema, scenes in zip(schemas, evidence.scenes, strict=True)
     )
     columns = [
-        _features(own, measured(pack_conditions(schema, own), scenes))
+        _features(own, measured(pack_conditions(schema, own), scenes, evidence.n_jobs))
         for schema, own, scenes in zip(schemas, conditions, evidence.scenes, strict=True)
     ]
     examples = [evidence.examples(number, is_base=False) for number in range(len(schemas))]

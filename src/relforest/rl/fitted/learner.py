@@ -74,6 +74,8 @@ class QLearner:
         Of the whole run.
     episodes, test_episodes : int
         Per iteration.
+    n_jobs : int
+        Threads that measure scenes. The result does not depend on it.
     """
 
     env: Environment
@@ -81,6 +83,7 @@ class QLearner:
     seed: np.random.SeedSequence
     episodes: int
     test_episodes: int
+    n_jobs: int = 1
 
     files: ClassVar[re.Pattern[str]] = re.compile(rf"{EXPERIENCE_FILES}|{FOREST_FILES}")
 
@@ -114,7 +117,8 @@ class QLearner:
         world, settings = world_of(self.env), self.settings
         view = before.view if before else View.of(world.schema, batches[0].matrix, settings.max_values)
         schemas = view.schemas(world.action_types)
-        evidence = Evidence.of(_latest(batches, settings.max_samples), view, schemas, world.discount)
+        latest = _latest(batches, settings.max_samples)
+        evidence = Evidence.of(latest, view, schemas, world.discount, self.n_jobs)
         if (evidence.remaining != NO_LIMIT).any():
             return QValue(
                 view, world.action_types, learned_backwards(schemas, evidence, settings.forests, rng)

@@ -9,9 +9,11 @@ from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 
+from relforest.forests.batches import in_batches
 from relforest.forests.conditions import Condition
 from relforest.forests.measures import measures, work_space
 from relforest.forests.packing import Packed
+from relforest.rl.experience import BoolArray
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.documents import LARGEST_NUMBER, well_formed
@@ -91,10 +93,17 @@ class Measures(NamedTuple):
     n_objects: IntArray  # (n,)
 
 
-def measured(packed: Packed, scenes: Scenes) -> Measures:
-    """Return what conditions say about scenes."""
+def measured(packed: Packed, scenes: Scenes, n_jobs: int = 1) -> Measures:
+    """Return what conditions say about scenes, by so many threads."""
     columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
-    return measured_rows(packed, scenes.matrix, columns)
+    out = np.empty((2, len(scenes), len(packed.conditions)))
+
+    def evaluate(begin: int, end: int, stop: BoolArray) -> None:
+        work = work_space(packed, scenes.schema.n_parameters, scenes.schema.width)
+        measures(packed, scenes.matrix, columns, begin, end, work, out, stop)
+
+    in_batches(evaluate, len(scenes), n_jobs)
+    return Measures(out[0], out[1], scenes.counts)
 
 
 def measured_rows(
@@ -127,11 +136,13 @@ def hats(margins: FloatArray, knots: FloatArray, out: np.ndarray[Any, Any]) -> N
             out[i, first + place - 1], out[i, first + place] = 1.0 - share, share
 
 
-def features_of(packed: Packed, questions: Sequence[Question], scenes: Scenes) -> np.ndarray[Any, Any]:
+def features_of(
+    packed: Packed, questions: Sequence[Question], scenes: Scenes, n_jobs: int = 1
+) -> np.ndarray[Any, Any]:
     """Return the shares of the knots of all questions, (n, k * N_KNOTS) float32."""
     out = np.empty((len(scenes), len(questions) * N_KNOTS), dtype=np.float32)
     knots = np.array([question.knots for question in questions]).reshape(-1, N_KNOTS)
-    hats(measured(packed, scenes).margins, knots, out)
+    hats(measured(packed, scenes, n_jobs).margins, knots, out)
     return out
 
 
