@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from interpreted import compiled_only
-from relforest.rl.experience import COLUMNS
+from relforest.rl.experience import COLUMNS, OPTIONAL_COLUMNS
 from relforest.rl.policy_json import POLICY, TREES, WEIGHTS
 from relforest.rl.rpi import SMRFRPI
 from relforest.rl.saved_policy import read_policy
@@ -256,7 +256,7 @@ def test_hostile_checkpoints_are_refused(copy: Path, changes: dict[str, Any]) ->
 
 def test_experience_of_another_world_is_refused(copy: Path) -> None:
     path = copy / EXPERIENCE / "iteration-0001.npz"
-    arrays = files.read_npz(path, COLUMNS)
+    arrays = files.read_npz(path, COLUMNS, optional=OPTIONAL_COLUMNS)
     arrays["types"] = arrays["types"] + 5
     files.write_npz(path, arrays)
     with pytest.raises(ModelFormatError, match=r"iteration-0001\.npz belongs to a different world"):
