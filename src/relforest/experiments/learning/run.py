@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
-import gymnasium
 import numpy as np
 
+from relforest.experiments.blocks.episodes import play
 from relforest.experiments.learned_policies import learned_policy
 from relforest.experiments.learning.settings import LARGER, LEARNERS, LearningSetting
 from relforest.experiments.run_config import RunConfig
@@ -15,10 +15,10 @@ from relforest.experiments.runs import RunInFolder
 from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.experiments.tasks import task_named
-from relforest.rl.policy import Policy
 from relforest.rl.rollout import rollout
 from relforest.runs.store import metrics_of
 from relforest.support.rng import seed_sequence, stream
+from relforest.worlds.blocks.env import BlocksEnv
 
 if TYPE_CHECKING:
     from relforest.worlds.environment import WorldEnv
@@ -46,10 +46,7 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
 
 
 def compute(setting: LearningSetting, context: Context) -> list[Row]:
-    """Return a row per iteration, and one for each other task that is played in the end.
-
-    Hand-made policies, and all policies in other tasks, play the same episodes as far as their actions allow.
-    """
+    """Return a row per iteration, and one for each other task that is played in the end."""
     head: Row = {"task": setting.task, "condition": setting.condition, "run": setting.run}
     run = learned(setting, context)
     if run is None:
@@ -78,13 +75,17 @@ def _others(setting: LearningSetting) -> tuple[str, ...]:
 def _played(task: str, setting: LearningSetting, run: RunInFolder | None, context: Context) -> float:
     env = task_named(task).make()
     seed = stream(seed_sequence(context.seed), _TESTS, setting.run)
-    policy = _hand_made(env, setting.condition) if run is None else learned_policy(run.folder, env)
-    rewards = rollout(env, policy, setting.tests, seed).episode_rewards
-    return float(np.mean(rewards))
-
-
-def _hand_made(env: gymnasium.Env[Any, Any], name: str) -> Policy:
-    return cast("WorldEnv", env.unwrapped).policies[name]
+    world = env.unwrapped
+    if run is not None:
+        rewards = rollout(env, learned_policy(run.folder, env), setting.tests, seed).episode_rewards
+    elif isinstance(world, BlocksEnv):
+        # These policies stop when they have reached what they wanted.
+        episodes = (stream(seed, number) for number in range(setting.tests))
+        rewards = np.array([dict(play(world, setting.condition, each))["total"] for each in episodes])
+    else:
+        policy = cast("WorldEnv", world).policies[setting.condition]
+        rewards = rollout(env, policy, setting.tests, seed).episode_rewards
+    return float(rewards.mean())
 
 
 def _seed_of(condition: str, seed: int) -> int:
