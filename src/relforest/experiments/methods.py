@@ -162,7 +162,7 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
             ("discount",),
             _q_learner,
             _q_manifest,
-            "relforest.reports.question_report.question_report",
+            "relforest.reports.run_report.run_report",
             "relforest.experiments.learned_policies.agent_policy",
             "fitted",
         ),

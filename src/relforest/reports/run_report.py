@@ -1,14 +1,15 @@
-"""A run folder as text: the metrics of its iterations and the trees it learned."""
+"""A run folder as text: the metrics of its iterations, and the trees or questions it learned."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 from relforest.reports.learning_figure import mean_and_deviation
-from relforest.rl.policy_json import policy_of
+from relforest.reports.questions_in_words import questions_in_words
+from relforest.rl.fitted.value import QValue
+from relforest.rl.saved_policy import read_policy
 from relforest.rl.value import ValueFunction
 from relforest.runs.learner import METRIC_NAMES
 from relforest.runs.store import read_checkpoint
@@ -16,7 +17,7 @@ from relforest.trees.text import describe
 
 
 def run_report(folder: str | PathLike[str]) -> str:
-    """Describe what a run has learned: a line of metrics per iteration, then every tree.
+    """Describe what a run has learned: a line of metrics per iteration, then its trees or main questions.
 
     Parameters
     ----------
@@ -27,10 +28,13 @@ def run_report(folder: str | PathLike[str]) -> str:
     ------
     ModelFormatError
         If a file is missing or malformed.
+    InputError
+        If smrf-q has not learned anything in it yet.
     """
     checkpoint = read_checkpoint(folder)
-    value, _ = policy_of(checkpoint.document, Path(folder))
-    return f"{metrics_table(checkpoint.metrics)}\n\n{trees_in_words(value)}"
+    value = read_policy(folder)
+    words = questions_in_words(value) if isinstance(value, QValue) else trees_in_words(value)
+    return f"{metrics_table(checkpoint.metrics)}\n\n{words}"
 
 
 def metrics_table(rows: Iterable[Mapping[str, Any]], names: Sequence[str] = METRIC_NAMES) -> str:

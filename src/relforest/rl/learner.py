@@ -27,7 +27,7 @@ from relforest.rl.policy_json import (
     slugs,
     tree_name,
 )
-from relforest.rl.rollout import Environment, rollout, world_of
+from relforest.rl.rollout import Environment, rollout, tested, world_of
 from relforest.rl.rounds import improve
 from relforest.rl.samples import draw_samples
 from relforest.rl.settings import RPISettings
@@ -129,16 +129,8 @@ class RPILearner:
 
     def evaluate(self, state: Knowledge, number: int) -> Row:
         """Play test episodes with the policy."""
-        with part("testing"):
-            policy, seed = GreedyPolicy(state.value), stream(self.seed, number, _TESTING)
-            tested = rollout(self.env, policy, self.test_episodes, seed)
-        trained = float(state.batches[-1].episode_rewards.mean()) if state.batches else None
-        return {
-            "test_reward": float(tested.episode_rewards.mean()),
-            "train_reward": trained,
-            "trees": state.value.n_trees,
-            "leaves": state.value.n_leaves,
-        }
+        seed, size = stream(self.seed, number, _TESTING), (state.value.n_trees, state.value.n_leaves)
+        return tested(self.env, GreedyPolicy(state.value), self.test_episodes, seed, state.batches, size)
 
     def to_plain(self, state: Knowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its trees and the experience as files."""

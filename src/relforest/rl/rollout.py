@@ -10,11 +10,12 @@ import numpy as np
 
 from relforest.rl.experience import Experience
 from relforest.rl.policy import LockstepPolicy, Policy
+from relforest.runs.learner import Row
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.smdp import Decisions, Lockstep, LockstepWorld, Outcomes, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
-from relforest.support.progress import report
+from relforest.support.progress import part, report
 from relforest.support.rng import generator, stream
 
 _RESET, _CHOICES = 0, 1
@@ -101,6 +102,27 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
         games = begin([_reset(seed, number) for number in numbers])
         _play_together(games, policy, [_choices(seed, number) for number in numbers], first, log)
     return log.experience()
+
+
+def tested(
+    env: Environment,
+    policy: Policy,
+    episodes: int,
+    seed: np.random.SeedSequence,
+    batches: Sequence[Experience],
+    size: tuple[int, int],
+) -> Row:
+    """Play test episodes and return the metrics of an iteration, see `relforest.runs.Learner.evaluate`.
+
+    `batches` are the training experience so far, `size` the numbers of trees and leaves of the policy.
+    """
+    with part("testing"):
+        rewards = rollout(env, policy, episodes, seed).episode_rewards
+    trained = float(batches[-1].episode_rewards.mean()) if batches else None
+    trees, leaves = size
+    return {
+        "test_reward": float(rewards.mean()), "train_reward": trained, "trees": trees, "leaves": leaves,
+    }  # fmt: skip
 
 
 def _reset(seed: np.random.SeedSequence, number: int) -> int:

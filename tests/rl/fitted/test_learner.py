@@ -11,7 +11,7 @@ from sklearn.ensemble import ExtraTreesRegressor
 
 from experiments.run_folders import contents
 from interpreted import compiled_only
-from relforest.reports.question_report import question_report
+from relforest.reports.run_report import run_report
 from relforest.rl.fitted import CurveSettings, ForestSettings, QLearner, QSettings
 from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.forest_arrays import forest_mean, forests_of, joined
@@ -105,7 +105,7 @@ def test_an_interrupted_run_ends_with_the_same_bytes(world: type[Picking], tmp_p
         again, _ = advance(found, parts.resume())
         parts.write(again)
     assert contents(tmp_path / "whole") == contents(tmp_path / "parts")
-    assert "iteration" in question_report(tmp_path / "whole")
+    assert "iteration" in run_report(tmp_path / "whole")
 
 
 @pytest.mark.parametrize("world", [Picking, Limited])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
@@ -48,28 +47,19 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
 def compute(setting: LearningSetting, context: Context) -> list[Row]:
     """Return a row per iteration, and one for each other task that is played in the end."""
     head: Row = {"task": setting.task, "condition": setting.condition, "run": setting.run}
-    run = learned(setting, context)
+    run, tasks = learned(setting, context), LARGER[: setting.others]
     if run is None:
-        played = [(task, 0, _played(task, setting, None, context)) for task in _all_tasks(setting)]
+        played, tasks = [], (setting.task, *tasks)
     else:
         played = [
             (setting.task, int(row["iteration"]) * setting.episodes, float(row["test_reward"]))
             for row in metrics_of(run.folder)
         ]
-        total = setting.iterations * setting.episodes
-        played += [(task, total, _played(task, setting, run, context)) for task in _others(setting)]
+    total = setting.iterations * setting.episodes
+    played += [(task, total, _played(task, setting, run, context)) for task in tasks]
     return [
         {**head, "played": task, "episodes": episodes, "reward": reward} for task, episodes, reward in played
     ]
-
-
-def _all_tasks(setting: LearningSetting) -> Iterator[str]:
-    yield setting.task
-    yield from _others(setting)
-
-
-def _others(setting: LearningSetting) -> tuple[str, ...]:
-    return LARGER[: setting.others]
 
 
 def _played(task: str, setting: LearningSetting, run: RunInFolder | None, context: Context) -> float:

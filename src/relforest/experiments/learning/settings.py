@@ -94,9 +94,9 @@ def _runs(
     )
 
 
-def _hand_made(task: str, *policies: str, tests: int = _HAND_TESTS) -> tuple[LearningSetting, ...]:
+def _hand_made(task: str, *policies: str) -> tuple[LearningSetting, ...]:
     others = len(LARGER) if task == KEEPAWAY else 0
-    return tuple(LearningSetting(task, name, 0, 1, 0, 0, tests, others) for name in policies)
+    return tuple(LearningSetting(task, name, 0, 1, 0, 0, _HAND_TESTS, others) for name in policies)
 
 
 SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {

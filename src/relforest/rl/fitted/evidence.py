@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.errors import InputError
 
-_UNLIMITED = 2.0
+# A regression may exceed a bound a little without diverging.
+_TOLERANCE: Final = 2.0
 
 
 @final
@@ -154,7 +155,7 @@ class Evidence:
 
 def check_values(values: FloatArray, evidence: Evidence) -> None:
     """Raise `InputError` if values (n,) are beyond what the rewards allow, so that learning diverges."""
-    largest = _UNLIMITED * evidence.largest_value
+    largest = _TOLERANCE * evidence.largest_value
     # The negated test also catches NaN.
     if len(values) and not np.abs(values).max() <= max(largest, 1e-9):
         raise InputError(

@@ -30,7 +30,7 @@ from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
 from relforest.rl.policy_json import POLICY
-from relforest.rl.rollout import Environment, rollout, world_of
+from relforest.rl.rollout import Environment, rollout, tested, world_of
 from relforest.runs.learner import Row, Snapshot
 from relforest.smdp import NO_LIMIT
 from relforest.support.progress import part
@@ -133,17 +133,11 @@ class QLearner:
 
     def evaluate(self, state: QKnowledge, number: int) -> Row:
         """Play test episodes with the policy."""
-        with part("testing"):
-            seed = stream(self.seed, number, _TESTING)
-            tested = rollout(self.env, _policy(state.value, 0.0), self.test_episodes, seed)
-        trained = float(state.batches[-1].episode_rewards.mean()) if state.batches else None
-        trees, leaves = (0, 0) if state.value is None else state.value.learned.size
-        return {
-            "test_reward": float(tested.episode_rewards.mean()),
-            "train_reward": trained,
-            "trees": trees,
-            "leaves": leaves,
-        }
+        seed, size = (
+            stream(self.seed, number, _TESTING),
+            (0, 0) if state.value is None else state.value.learned.size,
+        )
+        return tested(self.env, _policy(state.value, 0.0), self.test_episodes, seed, state.batches, size)
 
     def to_plain(self, state: QKnowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its forests and the experience as files."""

@@ -1,46 +1,20 @@
-"""A run of smrf-q as text: the metrics of its iterations, and what the policy asks."""
+"""What a policy of smrf-q asks, in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from os import PathLike
-from pathlib import Path
 from typing import Final
 
 from relforest.forests.words import sentence
-from relforest.reports.run_report import metrics_table
 from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
-from relforest.rl.fitted.policy_json import KEY, value_of
 from relforest.rl.fitted.value import QValue
-from relforest.runs.store import read_checkpoint
 from relforest.support.numerals import number
 
 MOST_QUESTIONS: Final = 10
 
 
-def question_report(folder: str | PathLike[str]) -> str:
-    """Describe what a run has learned: a line of metrics per iteration, then what matters most.
-
-    Parameters
-    ----------
-    folder : path
-        The folder of a single run, see `relforest.runs.store`.
-
-    Raises
-    ------
-    ModelFormatError
-        If a file is missing or malformed.
-    """
-    checkpoint, path = read_checkpoint(folder), Path(folder)
-    table = metrics_table(checkpoint.metrics)
-    if checkpoint.iteration == 0:
-        return table
-    value = value_of(checkpoint.document[KEY], path, checkpoint.iteration)
-    return f"{table}\n\n{value_in_words(value)}"
-
-
-def value_in_words(value: QValue, most: int = MOST_QUESTIONS) -> str:
+def questions_in_words(value: QValue, most: int = MOST_QUESTIONS) -> str:
     """Return the questions of each action type that matter most, at most so many."""
     names = [
         action_type.name + (f"({', '.join(action_type.parameters)})" if action_type.parameters else "")
