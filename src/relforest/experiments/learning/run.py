@@ -40,8 +40,8 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
         seed=_seed_of(setting.condition, context.seed),
         discount=choice.discount,
     )
-    name = setting.condition.replace(",", "").replace(" ", "-")
-    return RunInFolder(config, setting.run, context.folder / "runs" / name / f"run-{setting.run:02d}")
+    folder = context.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
+    return RunInFolder(config, setting.run, folder)
 
 
 def compute(setting: LearningSetting, context: Context) -> list[Row]:

@@ -64,10 +64,10 @@ LEARNERS: Final[Mapping[str, LearnerChoice]] = {
     "smrf-q": LearnerChoice("smrf-q"),
     "cmac-sarsa": LearnerChoice("cmac-sarsa"),
     "rbf-sarsa": LearnerChoice("rbf-sarsa"),
-    "smrf-rpi, 50 episodes": LearnerChoice("smrf-rpi"),
-    "smrf-rpi, 500 episodes": LearnerChoice("smrf-rpi"),
-    "smrf-rpi, 50 episodes, discount .99": LearnerChoice("smrf-rpi", 0.99),
-    "smrf-rpi, 500 episodes, discount .99": LearnerChoice("smrf-rpi", 0.99),
+    "smrf-rpi-50": LearnerChoice("smrf-rpi"),
+    "smrf-rpi-500": LearnerChoice("smrf-rpi"),
+    "smrf-rpi-50-discount-.99": LearnerChoice("smrf-rpi", 0.99),
+    "smrf-rpi-500-discount-.99": LearnerChoice("smrf-rpi", 0.99),
 }
 """Condition -> what learns; the order gives each condition its seed."""
 
@@ -108,8 +108,8 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
         *(
             setting
             for size, count in ((50, 20), (500, 2))
-            for discount in ("", ", discount .99")
-            for setting in _runs(KEEPAWAY, f"smrf-rpi, {size} episodes{discount}", size, count, runs=5)
+            for discount in ("", "-discount-.99")
+            for setting in _runs(KEEPAWAY, f"smrf-rpi-{size}{discount}", size, count, runs=5)
         ),
     ),
     TOWERS: (*_hand_made(TOWERS, "large-first", "random"), *_runs(TOWERS, OURS, _BATCH, 10, tests=_FEWER)),
