@@ -85,7 +85,8 @@ def unknown(what: str, name: str, choices: Iterable[str]) -> UsageError:
 
 def option_name(parameter: str) -> str:
     """Return an option as it is written on the command line."""
-    return f"--{parameter.replace('_', '-')}"
+    # "from" is a word of Python, so that its parameter ends in "_".
+    return f"--{parameter.rstrip('_').replace('_', '-')}"
 
 
 @contextmanager

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, final
 
 from tyro.conf import arg
 
-from relforest.cli.early_checks import naming_options
+from relforest.cli.early_checks import UsageError, naming_options
 from relforest.rl.baselines.settings import SarsaSettings
-from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings
+from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings, Source
 from relforest.rl.settings import FeatureMode, RPISettings
 from relforest.support.options import in_range
 from relforest.trees.settings import SearchName, Test
@@ -189,6 +190,11 @@ class QOptions:
 
     Parameters
     ----------
+    from_
+        Begin with the policy of this run of smrf-q, such as one with fewer players, and learn what is
+        different.
+    questions_from
+        Only ask the questions of this run first, because its task is another one.
     q_discount
         Discount factor per unit of time.
     q_epsilon
@@ -205,6 +211,8 @@ class QOptions:
         Trees per action type and number of remaining actions there.
     """
 
+    from_: Annotated[Path | None, arg(name="from", metavar="RUN", help_behavior_hint="")] = None
+    questions_from: Annotated[Path | None, arg(metavar="RUN", help_behavior_hint="")] = None
     q_discount: Annotated[float | None, _default(Q_DISCOUNT)] = None
     q_epsilon: Annotated[float | None, _default(_Q.epsilon)] = None
     q_max_samples: Annotated[int | None, _default(_Q.max_samples)] = None
@@ -219,9 +227,13 @@ class QOptions:
         Raises
         ------
         UsageError
-            If one is out of its range.
+            If one is out of its range, or two exclude each other.
         """
         values = given(self)
+        begun, offered = (values.pop(name, None) for name in ("from_", "questions_from"))
+        if begun and offered:
+            raise UsageError("--from and --questions-from exclude each other: leave one out")
+        source = Source(begun) if begun else Source(offered, "questions") if offered else None
         discount = values.pop("q_discount", None)
         if discount is not None:
             with naming_options((), discount="q_discount"):
@@ -233,7 +245,7 @@ class QOptions:
             with naming_options((), **{name: option}):
                 parts[place] = replace(parts[place], **{name: value})
         settings = replace(parts[""], curves=parts["curves"], forests=parts["forests"])
-        return {"q": settings, "discount": discount}
+        return {"q": settings, "discount": discount, "source": source}
 
 
 def given(options: RPIOptions | SarsaOptions | QOptions) -> dict[str, Any]:

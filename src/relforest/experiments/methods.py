@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
 from relforest.experiments.tasks import MethodName, Task
 from relforest.rl.baselines.settings import SarsaSettings
-from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings
+from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings, Source
 
 if TYPE_CHECKING:
     import numpy as np
@@ -100,12 +100,14 @@ def _q_learner(
     from relforest.rl.fitted.learner import QLearner
 
     env = task.make(Q_DISCOUNT if options["discount"] is None else options["discount"])
-    return QLearner(env, options["q"] or QSettings(), seed, *episodes, n_jobs)
+    return QLearner(env, options["q"] or QSettings(), seed, *episodes, n_jobs, options["source"])
 
 
 def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
     discount = Q_DISCOUNT if options["discount"] is None else float(options["discount"])
-    return {"settings": (options["q"] or QSettings()).to_dict(), "discount": discount}
+    source: Source | None = options["source"]
+    begun = {} if source is None else source.to_dict()
+    return {"settings": (options["q"] or QSettings()).to_dict(), "discount": discount, **begun}
 
 
 def _sarsa_learner(
@@ -159,7 +161,7 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
         "smrf-q": Method(
             "smrf-q",
             "q",
-            ("discount",),
+            ("discount", "source"),
             _q_learner,
             _q_manifest,
             "relforest.reports.run_report.run_report",

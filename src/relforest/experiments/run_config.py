@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 from relforest.experiments.methods import METHODS
 from relforest.experiments.tasks import MethodName, Task, task_named
 from relforest.rl.baselines.settings import SarsaSettings
-from relforest.rl.fitted.settings import QSettings
+from relforest.rl.fitted.settings import QSettings, Source
 from relforest.rl.settings import FEATURE_MODES, FeatureMode, RPISettings
 from relforest.runs.manifest import Manifest
 from relforest.support.errors import InputError
@@ -46,7 +46,7 @@ class RunConfig:
         Test episodes after each iteration. Default: as many as `episodes`.
     features : {"densities+bits", "bits", "probability"}, optional
         What a tree contributes to the features, for SMRF-RPI. Default: as in `rpi`.
-    method : {"smrf-rpi", "cmac-sarsa", "cmac-sarsa-shared", "rbf-sarsa"}
+    method : str
         How to learn, see `relforest.experiments.methods.METHODS`.
     rpi : RPISettings, optional
         Options of SMRF-RPI. Default: those of the task.
@@ -56,6 +56,8 @@ class RunConfig:
         Options of Sarsa. Default: those of the keepaway benchmark.
     q : QSettings, optional
         Options of smrf-q.
+    source : Source, optional
+        A run of smrf-q to begin with.
 
     Raises
     ------
@@ -76,6 +78,7 @@ class RunConfig:
     discount: float | None = None
     sarsa: SarsaSettings | None = None
     q: QSettings | None = None
+    source: Source | None = None
 
     def __post_init__(self) -> None:
         task_named(self.task)
@@ -88,7 +91,8 @@ class RunConfig:
             one_of("features", self.features, FEATURE_MODES)
         if self.discount is not None:
             in_range("discount", self.discount, 0.0, 1.0)
-        for name, expected in (("rpi", RPISettings), ("sarsa", SarsaSettings), ("q", QSettings)):
+        kinds = {"rpi": RPISettings, "sarsa": SarsaSettings, "q": QSettings, "source": Source}
+        for name, expected in kinds.items():
             if not isinstance(getattr(self, name), expected | None):
                 raise InputError(f"{name} must be {expected.__name__}(...), got {getattr(self, name)!r}")
         one_of("method", self.method, tuple(METHODS))

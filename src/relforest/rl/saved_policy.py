@@ -29,6 +29,6 @@ def read_policy(folder: str | os.PathLike[str]) -> AnyValue:
     checkpoint, path = read_checkpoint(folder), Path(folder)
     if KEY not in checkpoint.document:
         return policy_of(checkpoint.document, path)[0]
-    if checkpoint.iteration == 0:
+    if checkpoint.document[KEY] is None:
         raise InputError(f"{path} has not learned anything yet: wait for its first iteration")
     return value_of(checkpoint.document[KEY], path, checkpoint.iteration)

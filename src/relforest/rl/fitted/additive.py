@@ -15,7 +15,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from relforest.forests.packing import Packed, pack_conditions
 from relforest.rl.fitted.evidence import Evidence, check_values
-from relforest.rl.fitted.questions import N_KNOTS, Measures, Question, curves, features_of
+from relforest.rl.fitted.questions import N_KNOTS, Measures, Question, curves, features_of, knots_of, measured
 from relforest.rl.fitted.returns import returns
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
@@ -81,6 +81,24 @@ class Sum:
         n_questions = sum(map(len, self.questions))
         return n_questions, n_questions * N_KNOTS
 
+    def forgotten(self) -> Sum:
+        """Return the same questions, which add nothing."""
+        questions = tuple(
+            tuple(Question(each.condition, each.knots) for each in own) for own in self.questions
+        )
+        return replace(self, constants=(0.0,) * len(self.constants), questions=questions)
+
+    def asked_of(self, evidence: Evidence) -> Sum:
+        """Return it forgotten, with the knots of this evidence, without questions that then have none."""
+        found: list[tuple[Question, ...]] = []
+        for number, (packed, own) in enumerate(zip(self.packed, self.questions, strict=True)):
+            _, rows = evidence.examples(number, is_base=number == self.base)
+            margins = measured(packed, evidence.scenes[number].take(rows), evidence.n_jobs).margins
+            knots = map(knots_of, margins.T)
+            kept = zip(own, knots, strict=True)
+            found.append(tuple(Question(each.condition, at) for each, at in kept if at is not None))
+        return replace(self.forgotten(), questions=tuple(found))
+
     def worth(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
         """Return what actions of one type are worth, (n,), without the value of the base."""
         out = np.empty(len(seen.margins))
@@ -90,7 +108,13 @@ class Sum:
 
 
 def improved(
-    total: Sum, evidence: Evidence, settings: CurveSettings, rng: np.random.Generator, *, is_first: bool
+    total: Sum,
+    evidence: Evidence,
+    settings: CurveSettings,
+    rng: np.random.Generator,
+    *,
+    start: Sum | None,
+    is_first: bool,
 ) -> Sum:
     """Return the sum that is learned from all experience, with new questions.
 
@@ -101,6 +125,9 @@ def improved(
     evidence : Evidence
     settings : CurveSettings
     rng : Generator
+    start : Sum or None
+        What was known before there was any of this experience: the penalty is on what is different from it.
+        Its questions are the first of `total`.
     is_first : bool
         Whether nothing was learned before: then the first questions are about what the policy of the
         experience earned, without any maximum over values that mean nothing yet.
@@ -109,7 +136,10 @@ def improved(
     ----------
     Ernst, Geurts and Wehenkel, Tree-based batch mode reinforcement learning (2005), for fitted Q iteration.
     """
-    fit = _Fit.of(total, evidence)
+    if is_first:
+        # Questions of another task were made for other distances.
+        total = total.asked_of(evidence)
+    fit = _Fit.of(total, evidence, start or total.forgotten())
     fit, targets = fit.solved(settings, sweeps=0 if is_first else settings.sweeps)
     for turn in range(settings.rounds):
         report("rounds of questions", turn, settings.rounds)
@@ -139,19 +169,28 @@ def _sought(
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fit:
-    """A sum, and the features of its questions for all candidates of each action type."""
+    """A sum, and the features of its questions for all candidates of each action type.
+
+    What is solved for is the difference from `start`, whose values of the actions taken are `known` (n,).
+    """
 
     total: Sum
     evidence: Evidence
     features: tuple[Features, ...]
+    start: Sum
+    known: FloatArray
 
     @classmethod
-    def of(cls, total: Sum, evidence: Evidence) -> _Fit:
+    def of(cls, total: Sum, evidence: Evidence, start: Sum) -> _Fit:
         found = [
             features_of(packed, own, scenes, evidence.n_jobs)
             for packed, own, scenes in zip(total.packed, total.questions, evidence.scenes, strict=True)
         ]
-        return cls(total, evidence, tuple(found))
+        first = tuple(
+            own[:, : len(questions) * N_KNOTS] for own, questions in zip(found, start.questions, strict=True)
+        )
+        before = cls(start, evidence, first, start, np.empty(0))
+        return cls(total, evidence, tuple(found), start, before.values()[evidence.taken])
 
     def with_questions(self, number: int, added: list[Question]) -> _Fit:
         """Return the fit with more questions for one action type."""
@@ -258,8 +297,9 @@ class _System:
 
     def solve(self, fit: _Fit, targets: FloatArray) -> _Fit:
         """Return the fit with the weights that explain the targets (n,) best."""
-        total, mean = fit.total, float(targets.mean())
-        found = cho_solve(self.factor, (self.matrix.T @ (targets - mean).astype(np.float32)).astype(float))
+        total, start, unknown = fit.total, fit.start, targets - fit.known
+        mean = float(unknown.mean())
+        found = cho_solve(self.factor, (self.matrix.T @ (unknown - mean).astype(np.float32)).astype(float))
         first = 1 + len(total.questions)
         constants, questions = [], []
         for number, own in enumerate(total.questions):
@@ -267,12 +307,15 @@ class _System:
             weights = found[first:end] / self.spreads[number]
             # Without a base, the values of every type contain the mean.
             shared = mean + found[0] if number == total.base or total.base is None else 0.0
-            constants.append(float(shared + found[1 + number] - weights @ self.means[number]))
-            heights = weights.reshape(-1, N_KNOTS).tolist()
+            constant = float(shared + found[1 + number] - weights @ self.means[number])
+            constants.append(start.constants[number] + constant)
+            heights = weights.reshape(-1, N_KNOTS)
+            before = start.questions[number]
+            heights[: len(before)] += np.array([each.heights for each in before]).reshape(-1, N_KNOTS)
             questions.append(
                 tuple(
                     replace(question, heights=tuple(each))
-                    for question, each in zip(own, heights, strict=True)
+                    for question, each in zip(own, heights.tolist(), strict=True)
                 )
             )
             first = end

@@ -7,8 +7,8 @@ action is good for hardly does, so that the trees need not learn the former.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, final
 
 import numpy as np
@@ -22,7 +22,7 @@ from relforest.rl.fitted.evidence import Evidence
 from relforest.rl.fitted.forest_arrays import ForestArrays, forest_mean, joined
 from relforest.rl.fitted.questions import Measures, measured
 from relforest.rl.fitted.settings import ForestSettings
-from relforest.scenes import Schema
+from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.support.documents import well_formed
 from relforest.support.options import in_range
@@ -89,6 +89,10 @@ class Horizon:
         ]
         object.__setattr__(self, "packed", tuple(packed))
 
+    def forgotten(self) -> Horizon:
+        """Return what is measured, without any trees."""
+        return replace(self, forests=joined([[[] for _ in self.schemas]]))
+
     @property
     def base(self) -> None:
         """No action type has a value that is added to the others'."""
@@ -115,7 +119,11 @@ def _features(conditions: Sequence[Condition], seen: Measures) -> NDArray[np.flo
 
 
 def learned_backwards(
-    schemas: tuple[Schema, ...], evidence: Evidence, settings: ForestSettings, rng: np.random.Generator
+    schemas: tuple[Schema, ...],
+    evidence: Evidence,
+    settings: ForestSettings,
+    rng: np.random.Generator,
+    offered: Horizon | None = None,
 ) -> Horizon:
     """Return what is learned from all experience, from the last action to the first.
 
@@ -127,6 +135,8 @@ def learned_backwards(
         Of a task that limits the number of actions.
     settings : ForestSettings
     rng : Generator
+    offered : Horizon, optional
+        Half of the counts are those that mattered most there.
 
     References
     ----------
@@ -134,8 +144,8 @@ def learned_backwards(
     """
     report("counting objects")
     conditions = tuple(
-        (*own_numbers(schema), *(counted_conditions(scenes, settings.counts, rng) if len(scenes) else []))
-        for schema, scenes in zip(schemas, evidence.scenes, strict=True)
+        (*own_numbers(schema), *_counted(number, scenes, settings.counts, offered, rng))
+        for number, (schema, scenes) in enumerate(zip(schemas, evidence.scenes, strict=True))
     )
     columns = [
         _features(own, measured(pack_conditions(schema, own), scenes, evidence.n_jobs))
@@ -169,6 +179,18 @@ def learned_backwards(
             grown[-1].append(trees)
     found = tuple(_with_importance(*each) for each in zip(conditions, importances, strict=True))
     return Horizon(schemas, found, joined(grown))
+
+
+def _counted(
+    number: int, scenes: Scenes, n: int, offered: Horizon | None, rng: np.random.Generator
+) -> Iterator[Condition]:
+    """Yield the conditions whose objects are counted for actions of one type."""
+    known = () if offered is None else offered.measured[number]
+    counts = sorted((each for each in known if each.condition.n_free), key=lambda each: -each.importance)
+    kept = [each.condition for each in counts[: n // 2]]
+    yield from kept
+    if len(scenes):
+        yield from counted_conditions(scenes, n - len(kept), rng)
 
 
 def _with_importance(conditions: Sequence[Condition], importances: FloatArray) -> tuple[Measured, ...]:

@@ -15,24 +15,27 @@ from relforest.rl.experience import Experience, concatenate
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.fitted.additive import Sum, improved
 from relforest.rl.fitted.evidence import Evidence
-from relforest.rl.fitted.horizon import learned_backwards
+from relforest.rl.fitted.horizon import Horizon, learned_backwards
 from relforest.rl.fitted.policy_json import (
     FOREST_FILES,
     FORMAT,
     KEY,
+    START,
     VERSION,
     describe,
     forest_files,
     value_of,
 )
-from relforest.rl.fitted.settings import QSettings
+from relforest.rl.fitted.settings import QSettings, Source
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
 from relforest.rl.policy_json import POLICY
 from relforest.rl.rollout import Environment, rollout, tested, world_of
+from relforest.rl.saved_policy import read_policy
 from relforest.runs.learner import Row, Snapshot
 from relforest.smdp import NO_LIMIT
+from relforest.support.errors import InputError
 from relforest.support.progress import part
 from relforest.support.rng import generator, stream
 
@@ -51,10 +54,13 @@ class QKnowledge:
         None before learning.
     batches : tuple of Experience
         Training experience, one batch per iteration.
+    start : QValue or None
+        What was known before there was any experience.
     """
 
     value: QValue | None
     batches: tuple[Experience, ...]
+    start: QValue | None = None
 
 
 @final
@@ -76,6 +82,8 @@ class QLearner:
         Per iteration.
     n_jobs : int
         Threads that measure scenes. The result does not depend on it.
+    source : Source, optional
+        What to begin with.
     """
 
     env: Environment
@@ -84,6 +92,7 @@ class QLearner:
     episodes: int
     test_episodes: int
     n_jobs: int = 1
+    source: Source | None = None
 
     files: ClassVar[re.Pattern[str]] = re.compile(rf"{EXPERIENCE_FILES}|{FOREST_FILES}")
 
@@ -91,11 +100,13 @@ class QLearner:
     def configuration(self) -> dict[str, Any]:
         """Everything that the result depends on, as plain JSON values."""
         episodes = (self.episodes, self.test_episodes)
-        return describe_run(self.env, self.settings.to_dict(), self.seed, episodes)
+        described = describe_run(self.env, self.settings.to_dict(), self.seed, episodes)
+        return described if self.source is None else described | self.source.to_dict()
 
     def start(self) -> QKnowledge:
-        """Return that nothing is known."""
-        return QKnowledge(None, ())
+        """Return that nothing is known, or what the source knows."""
+        value = None if self.source is None else known_from(self.source, self.env)
+        return QKnowledge(value, (), value)
 
     def iterate(self, state: QKnowledge, number: int) -> QKnowledge:
         """Gain training experience, and learn from it as soon as there is a share more."""
@@ -108,27 +119,33 @@ class QLearner:
                 gained = (*gained, rollout(self.env, policy, size, portion))
             with part("learning"):
                 rng = generator(stream(seed, _LEARNING, place))
-                value = self._learned(value, (*batches, *gained), rng, size)
-        return QKnowledge(value, (*batches, concatenate(gained)))
+                value = self._learned(state.start, value, (*batches, *gained), rng, size)
+        return QKnowledge(value, (*batches, concatenate(gained)), state.start)
 
     def _learned(
-        self, before: QValue | None, batches: tuple[Experience, ...], rng: np.random.Generator, n_new: int
+        self,
+        start: QValue | None,
+        before: QValue | None,
+        batches: tuple[Experience, ...],
+        rng: np.random.Generator,
+        n_new: int,
     ) -> QValue:
         world, settings = world_of(self.env), self.settings
         view = before.view if before else View.of(world.schema, batches[0].matrix, settings.max_values)
         schemas = view.schemas(world.action_types)
         latest = _latest(batches, settings.max_samples)
         evidence = Evidence.of(latest, view, schemas, world.discount, self.n_jobs)
+        known, first = (None if each is None else each.learned for each in (before, start))
         if (evidence.remaining != NO_LIMIT).any():
-            return QValue(
-                view, world.action_types, learned_backwards(schemas, evidence, settings.forests, rng)
-            )
-        known = None if before is None else before.learned
+            offered = first if isinstance(first, Horizon) else None
+            grown = learned_backwards(schemas, evidence, settings.forests, rng, offered)
+            return QValue(view, world.action_types, grown)
         if not isinstance(known, Sum):
             known = Sum.zero(schemas, evidence.base_type())
         rounds = max(1, round(settings.curves.rounds * n_new / _PER_EPISODES))
         curves = replace(settings.curves, rounds=rounds)
-        learned = improved(known, evidence, curves, rng, is_first=before is None)
+        first = first if isinstance(first, Sum) and any(first.constants) else None
+        learned = improved(known, evidence, curves, rng, start=first, is_first=not any(known.constants))
         return QValue(view, world.action_types, learned)
 
     def evaluate(self, state: QKnowledge, number: int) -> Row:
@@ -142,10 +159,15 @@ class QLearner:
     def to_plain(self, state: QKnowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its forests and the experience as files."""
         document = None if state.value is None else describe(state.value)
+        start = {} if state.start is None else {START: describe(state.start)}
         header = {"format": FORMAT, "version": VERSION, "iteration": number}
         return Snapshot(
-            {KEY: document},
-            {**experience_files(state.batches), **forest_files(state.value, number)},
+            {KEY: document, **start},
+            {
+                **experience_files(state.batches),
+                **forest_files(state.start, 0),
+                **forest_files(state.value, number),
+            },
             {} if document is None else {POLICY: header | document},
         )
 
@@ -159,11 +181,29 @@ class QLearner:
         InputError
             If they are of another world.
         """
+        start = value_of(document[START], folder, 0) if START in document else None
         if number == 0:
-            return self.start()
+            return QKnowledge(start, (), start)
         value = value_of(document.get(KEY), folder, number)
         check_world(value.schema, value.action_types, self.env)
-        return QKnowledge(value, read_experience(folder, number, value.schema, value.action_types))
+        return QKnowledge(value, read_experience(folder, number, value.schema, value.action_types), start)
+
+
+def known_from(source: Source, env: Environment) -> QValue:
+    """Return what another run knows, as far as it is wanted.
+
+    Raises
+    ------
+    InputError
+        If it is no run of ``smrf-q``, has not learned anything yet, or is of another world.
+    ModelFormatError
+        If a file is missing or malformed.
+    """
+    value = read_policy(source.folder)
+    if not isinstance(value, QValue):
+        raise InputError(f"{source.folder} is not a run of smrf-q: give the folder of one")
+    check_world(value.schema, value.action_types, env)
+    return replace(value, learned=value.learned.forgotten()) if source.what == "questions" else value
 
 
 def portions(n_before: int, episodes: int, settings: QSettings) -> Iterator[int]:

@@ -23,6 +23,8 @@ from relforest.support.options import between, in_range
 
 KEY: Final = "fitted"
 """What a checkpoint keeps the policy under."""
+START: Final = "start"
+"""What it keeps the policy under that the run began with."""
 FORMAT: Final = "relforest-q-policy"
 VERSION: Final = 1
 FOREST_FILES: Final = r"forests/iteration-\d{4}\.npz"

@@ -3,14 +3,44 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
-from typing import Any, Final, final
+from pathlib import Path
+from typing import Any, Final, Literal, TypeAlias, final
 
 from relforest.rl.settings import read_options
 from relforest.support.errors import InputError
-from relforest.support.options import at_least, in_range
+from relforest.support.options import at_least, in_range, one_of
 
 Q_DISCOUNT: Final = 0.99
 """The discount of tasks that are learned with ``smrf-q``: in keepaway, .9 looks ahead for one second."""
+
+
+What: TypeAlias = Literal["policy", "questions"]
+_WHAT: Final[tuple[What, ...]] = ("policy", "questions")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Another run of ``smrf-q``, in a world with the same attributes and action types.
+
+    Parameters
+    ----------
+    folder : path
+        Its folder, which is read once, when the new run begins.
+    what : {"policy", "questions"}
+        Begin with its policy, and learn how values differ from its values; or only ask its questions first,
+        because the task is another one.
+    """
+
+    folder: Path
+    what: What = "policy"
+
+    def __post_init__(self) -> None:
+        one_of("what", self.what, _WHAT)
+
+    def to_dict(self) -> dict[str, str]:
+        """Return it as plain JSON values."""
+        return {"from": str(self.folder), "what": self.what}
 
 
 @final
