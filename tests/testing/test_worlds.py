@@ -13,11 +13,15 @@ from gymnasium.envs.toy_text import FrozenLakeEnv
 from gymnasium.wrappers import TransformAction, TransformObservation
 from numpy.typing import NDArray
 
+from interpreted import compiled_only
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
 from relforest.testing import check_world
 from relforest.worlds.corridor.env import CorridorEnv
+from relforest.worlds.keepaway import env as keepaway
+from relforest.worlds.keepaway.env import KeepawayEnv
+from relforest.worlds.keepaway.play.lockstep import LockstepGames
 
 SCHEMA = Schema((Attribute("location", 2), Attribute("weight", 1)))
 SLOTS = 4
@@ -342,12 +346,31 @@ def test_trajectories_depend_on_the_seed_only() -> None:
         (stepping(duration=None), r'step: info\["duration"\]'),
         (stepping(duration=np.inf), r'step: info\["duration"\]'),
         (stepping(discounted_reward=np.inf), r'step: info\["discounted_reward"\] must be a finite number'),
+        (
+            after(lambda _, info: info.update(duration_before=-1.0)),
+            r'before: info\["duration_before"\] after a reset must be a finite number, got -1.0',
+        ),
+        (after(lambda _, info: info.update(reward_before=np.inf)), r'before: info\["reward_before"\]'),
         (stepping(discounted_reward="1"), r'step: info\["discounted_reward"\] must be a finite number'),
     ],
 )
 def test_violations_name_the_clause(patches: dict[str, Patch], message: str) -> None:
     with pytest.raises(AssertionError, match=f"^{message}"):
         check_world(corridor(**patches))
+
+
+@compiled_only
+def test_episodes_that_are_played_together_must_be_as_those_played_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    check_world(KeepawayEnv, steps=5)
+    monkeypatch.setattr(
+        keepaway,
+        "LockstepGames",
+        lambda setup, gamma, seeds: LockstepGames(setup, gamma, [s + 1 for s in seeds]),
+    )
+    with pytest.raises(AssertionError, match=r"^lockstep: .* of episodes that are played together"):
+        check_world(KeepawayEnv, steps=5)
 
 
 def limited(first: int | None, *after: int | None) -> Callable[[], gymnasium.Env[Any, Any]]:

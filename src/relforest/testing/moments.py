@@ -102,7 +102,9 @@ def check_moment(
         _check_masks(world.action_masks(), moment.info["action_mask"])
     _check_scene(moment.info.get("scene"), decision, schema)
     _check_observation(moment.observation, env.observation_space, decision, schema)
-    if moment.outcome is not None:
+    if moment.outcome is None:
+        _check_before(moment.info)
+    else:
         _check_step(*moment.outcome, info=moment.info, discount=world.discount)
 
 
@@ -204,6 +206,13 @@ def _check_observation(
             )
         if values[~present].any():
             raise violation("observation", f"{attribute.name!r} must be 0 in slots without an object")
+
+
+def _check_before(info: dict[str, Any]) -> None:
+    for name in ("duration_before", "reward_before"):
+        found = info.get(name, 0.0)
+        if not is_finite(found) or (name == "duration_before" and found < 0):
+            raise violation("before", f'info["{name}"] after a reset must be a finite number, got {found!r}')
 
 
 def _check_step(

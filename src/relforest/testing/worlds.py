@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any, Final
 
 import gymnasium
@@ -10,8 +11,11 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
+from relforest.rl.experience import Experience
+from relforest.rl.policy import RandomPolicy
+from relforest.rl.rollout import rollout
 from relforest.scenes import Schema
-from relforest.smdp import ActionType, World
+from relforest.smdp import ActionType, LockstepWorld, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, between
 from relforest.support.progress import report
@@ -74,9 +78,12 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
       ``discounted_reward`` is finite if present, and equals the reward if the discount is 1.
     - ``remaining``: within an episode, `Decision.remaining` falls by one with every action; it is 0 in a
       terminal state, and only at the end. A task without a limit has None in all states.
+    - ``before``: after a reset, ``duration_before`` and ``reward_before`` are finite if present, and the time
+      is not negative.
     - ``determinism``: the same seed and the same actions give the same trajectory.
     - ``action``: a Python integer, a NumPy integer and a zero-dimensional NumPy array, which learners all
       use, have the same effect.
+    - ``lockstep``: in a `LockstepWorld`, three episodes with random actions are the same together and alone.
 
     Examples
     --------
@@ -97,6 +104,7 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
         if not same_moment(moments[number], again):
             raise violation("determinism", f"two runs with seed {seed} differ at moment {number}")
     _check_integers(make_env, seed)
+    _check_lockstep(make_env, seed)
 
 
 def _check_integers(make_env: MakeEnv, seed: int) -> None:
@@ -111,6 +119,20 @@ def _check_integers(make_env: MakeEnv, seed: int) -> None:
         env.close()
         if not same_moment(moments[0], moments[-1]):
             raise violation("action", f"{action!r} must have the same effect as the integer {int(action)}")
+
+
+def _check_lockstep(make_env: MakeEnv, seed: int) -> None:
+    env = _make(make_env).unwrapped
+    if not isinstance(env, LockstepWorld) or env.lockstep is None:
+        return
+    # Around a wrapper, which might have to see every step, episodes are played alone.
+    together, alone = (
+        rollout(each, RandomPolicy(), 3, np.random.SeedSequence(seed))
+        for each in (env, gymnasium.Wrapper(_make(make_env).unwrapped))
+    )
+    for name in (entry.name for entry in fields(Experience)):
+        if not np.array_equal(getattr(together, name), getattr(alone, name), equal_nan=True):
+            raise violation("lockstep", f"{name} of episodes that are played together and alone differ")
 
 
 def _make(make_env: MakeEnv) -> gymnasium.Env[Any, Any]:
