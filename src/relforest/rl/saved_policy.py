@@ -6,12 +6,11 @@ import os
 from pathlib import Path
 from typing import TypeAlias
 
-from relforest.rl.fitted.policy_json import KEY, value_of
+from relforest.rl.fitted.policy_json import KEY, learned_value
 from relforest.rl.fitted.value import QValue
 from relforest.rl.policy_json import policy_of
 from relforest.rl.value import ValueFunction
 from relforest.runs.store import read_checkpoint
-from relforest.support.errors import InputError
 
 AnyValue: TypeAlias = ValueFunction | QValue
 
@@ -29,6 +28,4 @@ def read_policy(folder: str | os.PathLike[str]) -> AnyValue:
     checkpoint, path = read_checkpoint(folder), Path(folder)
     if KEY not in checkpoint.document:
         return policy_of(checkpoint.document, path)[0]
-    if checkpoint.document[KEY] is None:
-        raise InputError(f"{path} has not learned anything yet: wait for its first iteration")
-    return value_of(checkpoint.document[KEY], path, checkpoint.iteration)
+    return learned_value(checkpoint, path)

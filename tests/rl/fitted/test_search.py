@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from relforest import Attribute, Schema
-from relforest.forests.statements import Is
+from relforest.forests.statements import Bound, Is, Statement
+from relforest.mappings import Mapping
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
 from relforest.scenes import Scenes
@@ -50,6 +53,20 @@ def test_the_same_stream_gives_the_same_questions() -> None:
     given, target = scenes(100, 2), nearest_other(scenes(100, 2))
     one, other = (new_questions(given, target, SETTINGS, np.random.default_rng(7)) for _ in range(2))
     assert one == other
+
+
+def test_how_near_the_nearest_is_is_asked_once() -> None:
+    given, settings = scenes(300, 0), replace(SETTINGS, candidates=800, kept=80)
+    first = new_questions(given, nearest_other(given), settings, np.random.default_rng(0))
+    nearest = Statement(Mapping("distance", SCHEMA["location"]), (0, 1), Bound(0, "at most", 0.0))
+    asked = [question for question in first if question.condition.statements[-1] == nearest]
+    # Of the own team and of the others.
+    assert len(asked) == 2
+    # How far it is from being true is the distance itself.
+    quantiles = np.quantile(nearest_other(given), (0.02, 0.25, 0.5, 0.75, 0.98))
+    assert any(np.allclose(question.knots, quantiles, rtol=1e-4) for question in asked)
+    again = new_questions(given, nearest_other(given), settings, np.random.default_rng(0), first)
+    assert not {question.condition for question in asked} & {question.condition for question in again}
 
 
 def test_too_few_scenes_or_nothing_to_explain_give_no_question() -> None:

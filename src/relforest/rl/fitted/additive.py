@@ -147,6 +147,8 @@ def improved(
         grown = fit
         for number in range(len(total.schemas)):
             grown = grown.with_questions(number, _sought(fit, number, residuals, settings, rng))
+        if grown is fit and not is_first:
+            break
         earned = is_first and turn < settings.rounds // 2
         fit, targets = grown.solved(settings, sweeps=0 if earned else settings.sweeps)
     check_values(fit.values(), evidence)
@@ -157,13 +159,14 @@ def _sought(
     fit: _Fit, number: int, residuals: FloatArray, settings: CurveSettings, rng: np.random.Generator
 ) -> list[Question]:
     """Return new questions about actions of one type."""
-    room = settings.max_questions - len(fit.total.questions[number])
+    asked = fit.total.questions[number]
+    room = settings.max_questions - len(asked)
     transitions, rows = fit.evidence.examples(number, is_base=number == fit.total.base)
     if room <= 0 or not len(rows):
         return []
     chosen = np.sort(rng.permutation(len(rows))[: settings.max_scenes])
     scenes = fit.evidence.scenes[number].take(rows[chosen])
-    return new_questions(scenes, residuals[transitions[chosen]], settings, rng)[:room]
+    return new_questions(scenes, residuals[transitions[chosen]], settings, rng, asked)[:room]
 
 
 @final

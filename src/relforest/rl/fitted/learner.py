@@ -24,6 +24,7 @@ from relforest.rl.fitted.policy_json import (
     VERSION,
     describe,
     forest_files,
+    learned_value,
     value_of,
 )
 from relforest.rl.fitted.settings import QSettings, Source
@@ -32,10 +33,9 @@ from relforest.rl.fitted.view import View
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
 from relforest.rl.policy_json import POLICY
 from relforest.rl.rollout import Environment, rollout, tested, world_of
-from relforest.rl.saved_policy import read_policy
 from relforest.runs.learner import Row, Snapshot
+from relforest.runs.store import read_checkpoint
 from relforest.smdp import NO_LIMIT
-from relforest.support.errors import InputError
 from relforest.support.progress import part
 from relforest.support.rng import generator, stream
 
@@ -199,9 +199,7 @@ def known_from(source: Source, env: Environment) -> QValue:
     ModelFormatError
         If a file is missing or malformed.
     """
-    value = read_policy(source.folder)
-    if not isinstance(value, QValue):
-        raise InputError(f"{source.folder} is not a run of smrf-q: give the folder of one")
+    value = learned_value(read_checkpoint(source.folder), source.folder)
     check_world(value.schema, value.action_types, env)
     return replace(value, learned=value.learned.forgotten()) if source.what == "questions" else value
 

@@ -14,10 +14,11 @@ from relforest.rl.fitted.horizon import Horizon, Measured
 from relforest.rl.fitted.questions import Question
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
+from relforest.runs.store import Checkpoint
 from relforest.scenes import Schema
 from relforest.smdp import ActionType
 from relforest.support.documents import LARGEST_NUMBER, well_formed
-from relforest.support.errors import ModelFormatError
+from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import read_npz
 from relforest.support.options import between, in_range
 
@@ -55,6 +56,23 @@ def forest_files(value: QValue | None, iteration: int) -> dict[str, Mapping[str,
     if value is None or isinstance(value.learned, Sum):
         return {}
     return {_forest_file(iteration): value.learned.forests._asdict()}
+
+
+def learned_value(checkpoint: Checkpoint, folder: Path) -> QValue:
+    """Return the policy of a run of ``smrf-q``.
+
+    Raises
+    ------
+    InputError
+        If it has not learned anything yet, or is a run of another learner.
+    ModelFormatError
+        If the policy is damaged.
+    """
+    if KEY not in checkpoint.document:
+        raise InputError(f"{folder} is not a run of smrf-q: give the folder of one")
+    if checkpoint.document[KEY] is None:
+        raise InputError(f"{folder} has not learned anything yet: wait for its first iteration")
+    return value_of(checkpoint.document[KEY], folder, checkpoint.iteration)
 
 
 def value_of(document: Any, folder: Path, iteration: int) -> QValue:  # noqa: ANN401 - not checked yet

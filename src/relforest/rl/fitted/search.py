@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import chain, product
 from typing import Final, NamedTuple
 
@@ -11,7 +12,7 @@ import numpy as np
 from relforest.forests.conditions import MOST_FREE, Condition
 from relforest.forests.forms import IS, NEAR_ANGLE
 from relforest.forests.packing import pack_conditions
-from relforest.forests.statements import Is, Near, Statement
+from relforest.forests.statements import Bound, Is, Near, Statement, Test
 from relforest.forests.tables import ConditionTable, condition_tables
 from relforest.mappings.kernels import wrap_angle
 from relforest.rl.experience import BoolArray
@@ -24,6 +25,10 @@ from relforest.support.jit import kernel
 # More bound objects say less about any of them, and cost the most.
 _MOST_BOUND: Final = 3
 _MOST_CHOICES: Final = 1000
+# What is never negative is asked from 0, so that only the nearest objects count. Among more objects there is
+# more often one that is far enough away, or out of the way, but the others matter no less.
+_POSITIVE: Final = frozenset({"distance", "scaled_distance", "bearing"})
+_ZERO: Final = np.array([0.0, 0.0, 1.0, 0.0])
 _FEW_CHOICES: Final = 10
 
 
@@ -33,6 +38,11 @@ class _Form(NamedTuple):
     table: ConditionTable
     disc: tuple[int, int, int]  # NEAR or NEAR_ANGLE, first and second column
     categories: tuple[tuple[int, int], ...]  # column, category
+
+    @property
+    def is_from_zero(self) -> bool:
+        """Whether it asks how small something is, which is one question only."""
+        return self.table.columns[self.disc[1]].mapping.operation in _POSITIVE
 
     def choices(self) -> tuple[IntArray, IntArray]:
         """Return the choices of objects with these categories, and where those of each scene begin."""
@@ -48,20 +58,23 @@ class _Form(NamedTuple):
         _, first, second = self.disc
         columns, dim = self.table.columns, 1 if second < 0 else 2
         point = columns[first]
-        near = Near(
-            point.component,
-            tuple(ellipse[:dim].tolist()),
-            tuple((1.0 / np.sqrt(ellipse[2 : 2 + dim])).tolist()),
-        )
+        test: Test = Bound(point.component, "at most", 0.0)
+        if not self.is_from_zero:
+            radii = (1.0 / np.sqrt(ellipse[2 : 2 + dim])).tolist()
+            test = Near(point.component, tuple(ellipse[:dim].tolist()), tuple(radii))
         same = [
             Statement(columns[column].mapping, columns[column].variables, Is(category))
             for column, category in self.categories
         ]
-        return Condition(self.table.n_free, (*same, Statement(point.mapping, point.variables, near)))
+        return Condition(self.table.n_free, (*same, Statement(point.mapping, point.variables, test)))
 
 
 def new_questions(
-    scenes: Scenes, residuals: FloatArray, settings: CurveSettings, rng: np.random.Generator
+    scenes: Scenes,
+    residuals: FloatArray,
+    settings: CurveSettings,
+    rng: np.random.Generator,
+    asked: Sequence[Question] = (),
 ) -> list[Question]:
     """Return the best of some random questions, at most `settings.kept`, about different things.
 
@@ -73,12 +86,20 @@ def new_questions(
         What the questions so far do not explain.
     settings : CurveSettings
     rng : Generator
+    asked : sequence of Question
+        Those before, which are not asked again.
     """
     if len(scenes) < 2 * settings.min_scenes:
         return []
     max_free = min(MOST_FREE, max(0, _MOST_BOUND - scenes.schema.n_parameters))
     tables = condition_tables(scenes, max_free, most=_MOST_CHOICES, rng=rng)
-    forms = [form for table in tables for form in _forms(table, scenes.schema.n_parameters)]
+    known = {question.condition for question in asked}
+    forms = [
+        form
+        for table in tables
+        for form in _forms(table, scenes.schema.n_parameters)
+        if not (form.is_from_zero and form.condition(_ZERO) in known)
+    ]
     if not forms:
         return []
     found: list[tuple[float, int, FloatArray]] = []
@@ -87,12 +108,11 @@ def new_questions(
         rows, starts = form.choices()
         if len(rows) < _FEW_CHOICES:
             continue
-        ellipse = np.empty(4)
-        gain = _try(
-            form.table.table.values, form.disc, rows, starts, residuals, settings.min_scenes, rng, ellipse
-        )
-        if gain > 0.0:
-            found.append((gain, drawn, ellipse))
+        values, ellipse = form.table.table.values, _ZERO.copy()
+        if form.is_from_zero or _place(values, form.disc, rows, starts, residuals, rng, ellipse):
+            gain = _gain(values, form.disc, rows, starts, residuals, settings.min_scenes, ellipse)
+            if gain > 0.0:
+                found.append((gain, drawn, ellipse))
     found.sort(key=lambda each: -each[0])
     kept: dict[int, Question] = {}
     for _, drawn, ellipse in found:
@@ -257,17 +277,16 @@ def _best_cut(least: FloatArray, residuals: FloatArray, min_scenes: int) -> floa
 
 
 @kernel
-def _try(
+def _place(
     values: FloatArray,
     disc: tuple[int, int, int],
     rows: IntArray,
     starts: IntArray,
     residuals: FloatArray,
-    min_scenes: int,
     rng: np.random.Generator,
     ellipse: FloatArray,
-) -> float:
-    """Write a random ellipse (centre, 1 / radius^2) around witnesses of one side; return its gain.
+) -> bool:
+    """Write a random ellipse (centre, 1 / radius^2) around witnesses of one side; False if there are too few.
 
     It is covariant aggregation in one step: the scenes with residuals above, or below, the mean are the
     positive bags, and the ellipse covers those of their witnesses that are nearest to one of them.
@@ -278,16 +297,30 @@ def _try(
     mean = residuals.sum() / n
     side = (residuals > mean) if above else (residuals <= mean)
     if _spread(values, disc, rows, rng, moments) < 10:
-        return 0.0
+        return False
     centre = _begin(values, disc, rows, starts, side, moments, rng)
     if centre < 0:
-        return 0.0
+        return False
     ellipse[0], ellipse[1] = values[disc[1], centre], values[disc[2], centre] if disc[2] >= 0 else 0.0
     ellipse[2], ellipse[3] = 1.0 / moments[2], 1.0 / moments[3]
     least, witness = np.empty(n), np.empty(n, dtype=np.int64)
     _nearest(values, disc, ellipse, rows, starts, least, witness)
     n_nearest = (8, 25, 80)[int(rng.random() * 3)]
-    if not _gather(values, disc, side, least, witness, n_nearest, moments, ellipse):
-        return 0.0
+    return bool(_gather(values, disc, side, least, witness, n_nearest, moments, ellipse))
+
+
+@kernel
+def _gain(
+    values: FloatArray,
+    disc: tuple[int, int, int],
+    rows: IntArray,
+    starts: IntArray,
+    residuals: FloatArray,
+    min_scenes: int,
+    ellipse: FloatArray,
+) -> float:
+    """Return by how much the best cut of the distances from an ellipse lowers the squared residuals."""
+    n = len(residuals)
+    least, witness = np.empty(n), np.empty(n, dtype=np.int64)
     _nearest(values, disc, ellipse, rows, starts, least, witness)
-    return _best_cut(least, residuals, min_scenes)
+    return float(_best_cut(least, residuals, min_scenes))
