@@ -5,6 +5,7 @@ import pytest
 
 from relforest import Attribute, Schema
 from relforest.rl.fitted.view import View
+from relforest.scenes.color import srgb_to_lab
 from relforest.support.errors import ModelFormatError
 
 WORLD = Schema((Attribute("location", 2), Attribute("color", 3), Attribute("size")))
@@ -45,8 +46,22 @@ def test_an_attribute_of_one_value_or_many_stays_as_it_is() -> None:
     assert View.of(WORLD, objects(), 1).values == ()
 
 
-def test_the_json_form_is_read_back() -> None:
-    view = View.of(WORLD, objects(), 6)
+def test_other_colors_are_seen_as_they_look() -> None:
+    matrix = objects()
+    matrix[:, 2:5] = np.random.default_rng(1).random((20, 3))
+    matrix[5, 2:5] = np.nan
+    view = View.of(WORLD, matrix, 6)
+    assert (view.values, view.colors) == ((), ("color",))
+    seen = view.seen(matrix)
+    np.testing.assert_array_equal(seen[:, 2:5], srgb_to_lab(matrix[:, 2:5]))
+    np.testing.assert_array_equal(np.delete(seen, (2, 3, 4), axis=1), np.delete(matrix, (2, 3, 4), axis=1))
+    # Numbers from 0 to 255 may be in any unit, so they stay.
+    assert View.of(WORLD, matrix * 255.0, 6).colors == ()
+
+
+@pytest.mark.parametrize("most", [1, 6])
+def test_the_json_form_is_read_back(most: int) -> None:
+    view = View.of(WORLD, objects(), most)
     again = View.from_dict(view.to_dict())
     assert again.attributes == view.attributes
     np.testing.assert_array_equal(again.seen(objects()), view.seen(objects()))
@@ -57,5 +72,12 @@ def test_the_json_form_is_read_back() -> None:
 )
 def test_damaged_documents_are_named(values: object) -> None:
     document = View.of(WORLD, objects(), 6).to_dict() | {"values": values}
+    with pytest.raises(ModelFormatError, match="view"):
+        View.from_dict(document)
+
+
+@pytest.mark.parametrize("colors", [["location"], ["weight"], 3])
+def test_colors_that_are_none_are_refused(colors: object) -> None:
+    document = View.of(WORLD, objects(), 6).to_dict() | {"colors": colors}
     with pytest.raises(ModelFormatError, match="view"):
         View.from_dict(document)

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from relforest.scenes.color import srgb_to_lab
 from relforest.support.errors import InputError
-from relforest.worlds.blocks.color import ciede2000, srgb_to_lab
+from relforest.worlds.blocks.color import ciede2000
 from relforest.worlds.blocks.scores import (
     COLOR_DISTANCES,
     color_distance,

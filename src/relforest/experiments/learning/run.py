@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from relforest.worlds.environment import WorldEnv
 
 _TESTS: Final = 1_000_000
+# How many times as many episodes tell how good a policy is in the end.
+_MORE: Final = 5
 
 
 def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
@@ -45,17 +47,14 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
 
 
 def compute(setting: LearningSetting, context: Context) -> list[Row]:
-    """Return a row per iteration, and one for each other task that is played in the end."""
+    """Return a row per iteration but the last, and one for each task that is played in the end."""
     head: Row = {"task": setting.task, "condition": setting.condition, "run": setting.run}
-    run, tasks = learned(setting, context), LARGER[: setting.others]
-    if run is None:
-        played, tasks = [], (setting.task, *tasks)
-    else:
-        played = [
-            (setting.task, int(row["iteration"]) * setting.episodes, float(row["test_reward"]))
-            for row in metrics_of(run.folder)
-        ]
+    run, tasks = learned(setting, context), (setting.task, *LARGER[: setting.others])
     total = setting.iterations * setting.episodes
+    played = [
+        (setting.task, int(row["iteration"]) * setting.episodes, float(row["test_reward"]))
+        for row in (() if run is None else metrics_of(run.folder)[: setting.iterations])
+    ]
     played += [(task, total, _played(task, setting, run, context)) for task in tasks]
     return [
         {**head, "played": task, "episodes": episodes, "reward": reward} for task, episodes, reward in played
@@ -67,7 +66,7 @@ def _played(task: str, setting: LearningSetting, run: RunInFolder | None, contex
     seed = stream(seed_sequence(context.seed), _TESTS, setting.run)
     world = env.unwrapped
     if run is not None:
-        rewards = rollout(env, learned_policy(run.folder, env), setting.tests, seed).episode_rewards
+        rewards = rollout(env, learned_policy(run.folder, env), _MORE * setting.tests, seed).episode_rewards
     elif isinstance(world, BlocksEnv):
         # These policies stop when they have reached what they wanted.
         episodes = (stream(seed, number) for number in range(setting.tests))

@@ -32,9 +32,9 @@ class LearningSetting:
         Training episodes per iteration; 0 for a hand-made policy.
     iterations : int
     tests : int
-        Test episodes after each iteration, and in every other task.
+        Test episodes after each iteration; in the end, a learned policy plays five times as many.
     others : int
-        How many of `LARGER` are played without any more learning in the end.
+        How many of `LARGER` are played too in the end, without any more learning.
     """
 
     task: str

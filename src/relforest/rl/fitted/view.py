@@ -11,6 +11,7 @@ from relforest.rl.action_scenes import action_scenes
 from relforest.rl.experience import Experience
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.scenes.color import srgb_to_lab
 from relforest.scenes.schema import OPERATIONS_BY_KIND
 from relforest.smdp import ActionType
 from relforest.support.documents import well_formed
@@ -27,7 +28,8 @@ _MOST_VALUES: Final = 1000
 class View:
     """Attributes that have only a few values, such as the colors of two teams, seen as categories.
 
-    The other attributes also take part in the operations identity, distance and difference.
+    Other colors are seen in CIE Lab, in which their distance is about what people see. All other attributes
+    also take part in the operations identity, distance and difference.
 
     Parameters
     ----------
@@ -36,21 +38,26 @@ class View:
     values : tuple of (str, (k, dim) float64)
         The attributes that are categories, and their values in ascending order. An object belongs to the
         nearest one.
+    colors : tuple of str
+        The attributes that are seen in Lab; in the world, they are red, green and blue from 0 to 1.
     """
 
     world: Schema
     values: tuple[tuple[str, FloatArray], ...]
+    colors: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, world: Schema, matrix: FloatArray, most: int) -> View:
         """Return the view of attributes of which objects (n, width) have 2 to `most` different values."""
-        found = []
+        found, colors = [], []
         for attribute in world.attributes:
             own = matrix[:, world.columns(attribute.name)]
             distinct = np.unique(own[~np.isnan(own).any(axis=1)], axis=0)
             if attribute.kind != "category" and 2 <= len(distinct) <= most:
                 found.append((attribute.name, distinct))
-        return cls(world, tuple(found))
+            elif _is_rgb(attribute) and len(distinct) and distinct.min() >= 0.0 and distinct.max() <= 1.0:
+                colors.append(attribute.name)
+        return cls(world, tuple(found), tuple(colors))
 
     @property
     def attributes(self) -> tuple[Attribute, ...]:
@@ -68,7 +75,7 @@ class View:
 
     def seen(self, matrix: FloatArray) -> FloatArray:
         """Return objects (n, width of the world) as the learner sees them."""
-        if not self.values:
+        if not self.values and not self.colors:
             return matrix
         few = dict(self.values)
         columns = []
@@ -77,6 +84,8 @@ class View:
             if attribute.name in few:
                 away = ((own[:, None, :] - few[attribute.name]) ** 2).sum(axis=2)
                 own = np.where(np.isnan(away[:, :1]), np.nan, np.argmin(away, axis=1)[:, None])
+            elif attribute.name in self.colors:
+                own = srgb_to_lab(own)
             columns.append(own)
         return np.hstack(columns)
 
@@ -90,7 +99,7 @@ class View:
     def to_dict(self) -> dict[str, Any]:
         """Return the view as plain JSON values."""
         values = {name: distinct.tolist() for name, distinct in self.values}
-        return {"schema": self.world.to_dict(), "values": values}
+        return {"schema": self.world.to_dict(), "values": values, "colors": list(self.colors)}
 
     @classmethod
     def from_dict(cls, document: Any) -> View:  # noqa: ANN401 - not checked yet
@@ -112,7 +121,15 @@ class View:
                 if not np.isfinite(distinct).all():
                     raise ModelFormatError(f"the values of {name!r} must be finite")
                 values.append((str(name), distinct))
-            return cls(world, tuple(values))
+            # Older policies see no colors in Lab.
+            colors = tuple(str(name) for name in document.get("colors", ()))
+            if not all(_is_rgb(world[name]) for name in colors):
+                raise ModelFormatError("colors must be attributes of three numbers with the role of a color")
+            return cls(world, tuple(values), colors)
+
+
+def _is_rgb(attribute: Attribute) -> bool:
+    return attribute.kind == "euclidean" and attribute.role == "color" and attribute.dim == 3
 
 
 def _category(name: str, values: FloatArray) -> Attribute:

@@ -17,8 +17,9 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.scenes.color import srgb_to_lab
 from relforest.support.options import one_of
-from relforest.worlds.blocks.color import ciede2000, srgb_to_lab
+from relforest.worlds.blocks.color import ciede2000
 from relforest.worlds.blocks.stacks import stacks
 from relforest.worlds.blocks.state import BlocksState
 
