@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.methods import METHODS
 from relforest.experiments.sarsa import trained_team
+from relforest.playing.reasons import Explanation
 from relforest.rl.baselines import TileCoding
 from relforest.rl.configuration import check_world
+from relforest.rl.explaining import explanation
+from relforest.rl.fitted.value import QValue
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.runs.store import CHECKPOINT, read_checkpoint
@@ -60,6 +63,22 @@ class AgentPolicy:
     def values(self, decision: Decision) -> NDArray[np.float64]:
         """Return the values of all actions, (n_actions,)."""
         return self.value.values(decision)
+
+    def explain(self, decision: Decision, position: int) -> Explanation | None:
+        """Return what speaks for an action and against it, see `relforest.rl.explaining.explanation`."""
+        return explanation(self.value, decision, position)
+
+    def with_questions(self, n: int) -> AgentPolicy:
+        """Return the policy that asks the `n` questions that matter most for choosing.
+
+        Raises
+        ------
+        InputError
+            If `n` is negative, or the policy is no sum of questions.
+        """
+        if not isinstance(self.value, QValue):
+            raise InputError("questions can only be left out of policies of smrf-q")
+        return AgentPolicy(self.value.with_questions(n))
 
 
 def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | AgentPolicy:
