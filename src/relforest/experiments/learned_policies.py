@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.keepaway_team import Team
-from relforest.experiments.methods import METHODS
+from relforest.experiments.methods import METHODS, Method
 from relforest.experiments.sarsa import trained_team
 from relforest.playing.reasons import Explanation
 from relforest.rl.baselines import TileCoding
@@ -99,11 +99,23 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     ModelFormatError
         If a file in it is damaged.
     """
+    policy: TeamPolicy | AgentPolicy = resolve_name(method_of(folder).policy)(folder, env)
+    return policy
+
+
+def method_of(folder: Path) -> Method:
+    """Return how the agent of a run folder learns.
+
+    Raises
+    ------
+    InputError
+        If the folder does not contain a run.
+    ModelFormatError
+        If its checkpoint is damaged.
+    """
     if (folder / CHECKPOINT).exists():
         document = read_checkpoint(folder).document
-        made = (method.policy for method in METHODS.values() if method.mark in document)
-        policy: TeamPolicy | AgentPolicy = resolve_name(next(made, METHODS["smrf-rpi"].policy))(folder, env)
-        return policy
+        return next((each for each in METHODS.values() if each.mark in document), METHODS["smrf-rpi"])
     if (folder / "run-00").is_dir():
         raise InputError(
             f"{folder} contains several runs: give the folder of one, such as {folder / 'run-00'}"

@@ -272,8 +272,9 @@ const signOf = (reason) => (reason.adds < 0 ? "doubt" : "mark");
 
 function drawWitnesses(pen, camera, time) {
   // A ring around each object that satisfies a reason best: the chosen reason, or else the first for and against.
-  const tick = Math.floor(time), reasons = current().choices[choiceAt(tick)]?.why?.reasons || [], rings = new Map();
-  const first = (color) => reasons.findIndex((reason) => signOf(reason) === color);
+  const tick = Math.floor(time), reasons = current().choices[choiceAt(tick)]?.why?.reasons || [];
+  const rings = new Map(), badges = [];
+  const first = (color) => reasons.findIndex((reason) => signOf(reason) === color && reason.marks.length);
   const shownReasons = state.reason >= 0 ? [state.reason] : [first("mark"), first("doubt")].filter((index) => index >= 0);
   for (const index of shownReasons) {
     for (const place of reasons[index].marks) {
@@ -286,9 +287,15 @@ function drawWitnesses(pen, camera, time) {
       pen.arc(x, y, radius, 0, 2 * Math.PI);
       stroke(pen, "card", 5);
       stroke(pen, color, 3);
-      const side = (radius + 9) * Math.SQRT1_2, turn = before % 2 ? -1 : 1;
-      write(pen, String(index + 1), x + turn * side, y - side, 13, color, { halo: "card" });
+      const side = (radius + 8) * Math.SQRT1_2, middle = x + (before % 2 ? -side : side);
+      badges.push([String(index + 1), middle, y - side, color]);
     }
+  }
+  for (const [number, x, y, color] of badges) {
+    pen.beginPath();
+    pen.arc(x, y, 9, 0, 2 * Math.PI);
+    fill(pen, color);
+    write(pen, number, x, y + 0.5, 12, "card");
   }
 }
 
@@ -391,7 +398,6 @@ function tellChoice(tick) {
 
 function tellWhy(why) {
   state.reason = -1;
-  find("why").hidden = !current().choices.some((choice) => choice.why);
   const lead = why ? ["it is worth ", signed(Math.abs(why.lead), 2), why.lead < 0 ? " less than " : " more than ", worded(why.rival)] : [];
   find("lead").replaceChildren(...lead);
   find("reasons").replaceChildren(...(why ? why.reasons.map(reasonItem) : []));
@@ -584,6 +590,9 @@ function start() {
   find("subtitle").textContent = game.subtitle;
   find("legend").textContent = game.legend;
   find("detailed").hidden = !game.episodes.some((episode) => episode.details.some(([, lines]) => lines.length));
+  const explained = game.episodes.some((episode) => episode.choices.some((choice) => choice.why));
+  find("why").hidden = !explained;
+  find("main").classList.toggle("reasoned", explained);
   find("trailing").hidden = !game.episodes.some((episode) => episode.tracks.some((track) => track.trail));
   find("speed").replaceChildren(...SPEEDS.map((speed) => make("option", `${speed}\u00d7`, { value: speed })));
   setSpeed(1);

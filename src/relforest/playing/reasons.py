@@ -32,7 +32,7 @@ class Explanation(NamedTuple):
     lead: float
     """The value of the action less that of the rival."""
     reasons: tuple[Reason, ...]
-    """The strongest first, those that speak for the action before those against it."""
+    """The strongest first."""
     n_others: int
     rest: float
     """What the other reasons add together."""

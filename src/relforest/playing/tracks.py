@@ -111,7 +111,7 @@ def episode_data(recording: Recording, tables: Tables) -> dict[str, Any]:
 
 
 def _tracks(frames: Sequence[Frame], tables: Tables) -> dict[str, tuple[NDArray[np.float64], str]]:
-    """Return the (n_frames, 4) looks, x, y and angles of each thing by its key, and the color of its trail."""
+    """Return for each key of a thing (n_frames, 4) looks, x, y and angles, and the color of its trail."""
     tracks: dict[str, tuple[NDArray[np.float64], str]] = {}
     for row, frame in enumerate(frames):
         for key, shapes, x, y, angle, trail in frame.things:

@@ -83,9 +83,8 @@ def explanation(
     ranked = sorted(
         ((adds, key) for key, adds in found.items() if adds != 0.0), key=lambda each: -abs(each[0])
     )
-    told = [each for each in ranked if each[0] > 0.0][:most] + [each for each in ranked if each[0] < 0.0][
-        :most
-    ]
+    told = [each for sign in (1.0, -1.0) for each in [one for one in ranked if one[0] * sign > 0.0][:most]]
+    told.sort(key=lambda each: -abs(each[0]))
     reasons = tuple(_reason(value, decision, (position, rival), (own, theirs), *each) for each in told)
     lead = sum(found.values())
     return Explanation(

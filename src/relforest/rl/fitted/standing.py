@@ -88,7 +88,7 @@ def in_words(condition: Condition, schema: Schema, margin: float, count: float) 
     said = sentence(condition, schema)
     if math.isnan(margin):
         return said, "cannot be said" if condition.n_free == 0 else "no such object"
-    if _is_number(condition):
+    if is_number(condition):
         return said.replace(" at most 0", "", 1).replace("within 0 of", "away from", 1), number(margin)
     if margin <= 0.0:
         return said, f"true of {count:.0f}" if count > 1 else "true"
@@ -98,7 +98,7 @@ def in_words(condition: Condition, schema: Schema, margin: float, count: float) 
     return said, " ".join(filter(None, ("off by", number(scale * margin), unit)))
 
 
-def _is_number(condition: Condition) -> bool:
+def is_number(condition: Condition) -> bool:
     """Return whether a condition stands for a number of the arguments, by which it fails."""
     test = condition.statements[0].test
     return condition.n_free == 0 and isinstance(test, Bound) and test == Bound(test.component, "at most", 0.0)
