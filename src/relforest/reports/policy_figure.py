@@ -164,7 +164,8 @@ def _draw_scene(axes: Axes, value: QValue, each: Influence, scene: Scenes, locat
     at = _flat(scene.matrix[:, columns])
     for row in rows.tolist():
         axes.scatter(
-            *at[row],
+            at[row, 0],
+            at[row, 1],
             s=42,
             color=[_color(value, scene.schema, scene.matrix[row])],
             edgecolors=INK,
@@ -178,7 +179,9 @@ def _draw_scene(axes: Axes, value: QValue, each: Influence, scene: Scenes, locat
         if row < 0:
             continue
         if row in nearest:
-            axes.scatter(*at[row], s=150, facecolors="none", edgecolors=INK, linewidths=1.6, zorder=5)
+            axes.scatter(
+                at[row, 0], at[row, 1], s=150, facecolors="none", edgecolors=INK, linewidths=1.6, zorder=5
+            )
         share = (at[row, 0] - window[0, 0]) / (window[1, 0] - window[0, 0])
         side = "left" if share < 0.2 else "right" if share > 0.8 else "center"
         box = {"facecolor": PAPER, "alpha": 0.6, "edgecolor": "none", "pad": 0.8}

@@ -85,7 +85,7 @@ class Sum:
         features = np.empty((len(seen.margins), len(knots) * N_KNOTS))
         hats(seen.margins, np.ascontiguousarray(knots), features)
         usual = np.array([question.usual for question in self.questions[number]])
-        adds = np.einsum("nkh,kh->nk", features.reshape(-1, *knots.shape), heights) - usual
+        adds = np.einsum("nkh,kh->nk", features.reshape(len(features), *knots.shape), heights) - usual
         out = np.zeros((len(adds), 1 + len(usual)))
         out[:, 0] = self.constants[number] + usual.sum()
         for place, stands in enumerate(spokesmen(self.questions[number]), start=1):

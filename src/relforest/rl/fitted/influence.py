@@ -95,10 +95,10 @@ def influences(value: QValue, experience: Experience, most: int) -> list[Influen
 
 def _shares(value: QValue, number: int, seen: Measures, remaining: IntArray) -> FloatArray:
     """Return the parts of values of one type, where so many actions (n,) can still be taken."""
-    parts = {}
+    parts: dict[int, FloatArray] = {}
     for left in np.unique(remaining).tolist():
         own = np.flatnonzero(remaining == left)
-        some = Measures(*(column[own] for column in seen))
+        some = Measures(seen.margins[own], seen.counts[own], seen.n_objects[own])
         shares = value.learned.shares(number, some, None if left == NO_LIMIT else left)
         parts.update(zip(own.tolist(), shares, strict=True))
     return np.array([parts[row] for row in range(len(remaining))])
