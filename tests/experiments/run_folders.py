@@ -21,7 +21,7 @@ from relforest.rl.fitted.questions import Question
 from relforest.rl.fitted.view import View
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout, world_of
-from relforest.runs import Run, RunStore
+from relforest.runs import METRIC_NAMES, Run, RunStore
 from relforest.support.rng import seed_sequence
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 
@@ -66,7 +66,7 @@ def write_run_of_questions(folder: Path, iterations: int = 1) -> None:
     )
     batch = rollout(env, RandomPolicy(), 4, seed_sequence(0))
     rows = tuple(
-        {"iteration": number, "test_reward": 1.0, "train_reward": None, "trees": 2, "leaves": 10}
+        dict(zip(METRIC_NAMES, (number, 1.0, 1.0 if number else None, 2, 10), strict=True))
         for number in range(iterations + 1)
     )
     known = QKnowledge(value, (batch,) * iterations) if iterations else QKnowledge(None, ())
