@@ -89,5 +89,6 @@ def test_a_number_of_the_arguments_is_told_without_its_limit() -> None:
 
 
 def test_angles_are_in_degrees_where_their_sentence_is() -> None:
-    assert unit_of(Condition(1, (OTHER, BESIDE))) == (pytest.approx(180 / np.pi), "degrees")
+    scale, unit = unit_of(Condition(1, (OTHER, BESIDE)))
+    assert (scale, unit) == (np.degrees(1.0), "degrees")
     assert unit_of(Condition(1, (OTHER,))) == (1.0, "")
