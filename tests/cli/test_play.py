@@ -7,7 +7,7 @@ import gymnasium
 import pytest
 
 from cli.command_lines import CommandLine
-from experiments.run_folders import write_run_of_sarsa
+from experiments.run_folders import write_run_of_questions, write_run_of_sarsa
 from relforest.cli.play import WORLDS
 from relforest.experiments.keepaway_team import benchmark_team
 from relforest.playing import record_episodes
@@ -126,6 +126,48 @@ def test_a_learned_policy_plays(run: CommandLine, tmp_path: Path) -> None:
     assert run("play", "keepaway", "--policy", folder, "--max-cycles", "9", "--out", out).code == 0
     assert f'"subtitle":"learned in {folder}, ' in out.read_text("utf-8")
     assert "is not a run" in run("play", "keepaway", "--policy", tmp_path).err
+
+
+def test_each_decision_is_explained_on_demand(run: CommandLine, tmp_path: Path) -> None:
+    write_run_of_questions(tmp_path / "run")
+    command = ("play", "corridor", "--policy", tmp_path / "run", "--seed", "1")
+    outcome = run(*command, "--explain", "--out", tmp_path / "page.html")
+    lines = outcome.out.splitlines()
+
+    assert (outcome.code, len(lines)) == (0, 11)
+    assert re.fullmatch(
+        r"   0\.0 s  (left|right): worth \d\.\d\d more than (left|right); for it: some object has "
+        r"location at least 0\.5 \((of right: )?(true|off by 0\.\d+); it is the agent\) \+\d\.\d\d; "
+        r"against it: .*",
+        lines[0],
+    )
+    assert '"marks":[1]' in (tmp_path / "page.html").read_text("utf-8")
+    # Without questions, right is worth more everywhere.
+    few = run(*command, "--explain", "--questions", "0").out
+    assert few.count("  right: worth 0.50 more than left; for it: right as such") == 10
+
+
+def test_what_cannot_be_explained_is_named(run: CommandLine, tmp_path: Path) -> None:
+    write_run_of_sarsa(tmp_path / "sarsa", benchmark_team(KeepawayOptions()), KeepawayOptions())
+    write_run_of_questions(tmp_path / "q")
+    write_run_of_questions(tmp_path / "new", iterations=0)
+    for arguments, complaint in (
+        (("keepaway", "--explain"), "--explain is for what was learned: give --policy the folder of a run"),
+        (("keepaway", "--questions", "3"), "--questions is for what was learned"),
+        (
+            ("keepaway", "--explain", "--policy", tmp_path / "sarsa"),
+            "was learned by Sarsa, whose values cannot",
+        ),
+        (
+            ("corridor", "--questions", "-1", "--policy", tmp_path / "q"),
+            "--questions must be an integer of at",
+        ),
+        (("keepaway", "--explain", "--policy", tmp_path / "q"), "was trained on objects with ('location',)"),
+        (("corridor", "--explain", "--policy", tmp_path / "new"), "has not learned anything yet"),
+    ):
+        outcome = run("play", *arguments)
+        assert outcome.code != 0
+        assert complaint in outcome.err
 
 
 def test_unknown_worlds_are_refused(run: CommandLine) -> None:

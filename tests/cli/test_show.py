@@ -6,7 +6,11 @@ from pathlib import Path
 import pytest
 
 from cli.command_lines import CommandLine
+from experiments.run_folders import write_run_of_questions, write_run_of_sarsa
+from relforest.experiments.keepaway_team import benchmark_team
 from relforest.models import read_model
+from relforest.reports.run_report import run_report
+from relforest.worlds.keepaway.server.options import KeepawayOptions
 from reports.drawn_trees import one_question, scenes_of
 
 
@@ -55,6 +59,33 @@ def test_trees_of_a_run_folder_can_be_shown(run: CommandLine, tmp_path: Path) ->
     assert outcome.code == 0
     assert "A (passer) = a0" in outcome.out
     assert (tmp_path / "tree.svg").exists()
+
+
+def test_what_a_run_has_learned_is_told_and_drawn(run: CommandLine, tmp_path: Path) -> None:
+    write_run_of_questions(tmp_path / "run")
+    outcome = run("show", tmp_path / "run", "--out", tmp_path / "run.svg")
+
+    assert (outcome.code, outcome.err) == (0, f"wrote {tmp_path / 'run.svg'}\n")
+    assert outcome.out == f"{run_report(tmp_path / 'run')}\n"
+    assert "how far it is from true that some object has location at least 0.5" in outcome.out
+    assert (tmp_path / "run.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_runs_that_cannot_be_shown_are_named(run: CommandLine, tmp_path: Path) -> None:
+    write_run_of_sarsa(tmp_path / "sarsa", benchmark_team(KeepawayOptions()), KeepawayOptions())
+    write_run_of_questions(tmp_path / "new", iterations=0)
+    write_run_of_questions(tmp_path / "several" / "run-00")
+    for arguments, complaint in (
+        (("sarsa",), "was learned by Sarsa, which asks no questions"),
+        (("new",), "has not learned anything yet"),
+        (("several",), "contains several runs: give the folder of one"),
+        ((".",), "is not a run: give a folder of 'relforest learn'"),
+        (("new", "--scene", "1", "of", "a.csv"), "--scene belongs to models and trees"),
+    ):
+        folder, *rest = arguments
+        outcome = run("show", tmp_path / folder, *rest)
+        assert outcome.code == 1
+        assert complaint in outcome.err
 
 
 def test_pictures_are_replaced_only_on_demand(run: CommandLine, model: Path, tmp_path: Path) -> None:

@@ -9,8 +9,19 @@ from typing import Final
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.sarsa import SarsaLearner, Trained
+from relforest.experiments.tasks import task_named
+from relforest.forests import Condition
+from relforest.forests.statements import Bound, Statement
+from relforest.mappings import Mapping
 from relforest.rl.baselines import SarsaSettings
-from relforest.runs import Run, RunStore
+from relforest.rl.fitted import QLearner, QSettings, QValue
+from relforest.rl.fitted.additive import Sum
+from relforest.rl.fitted.learner import QKnowledge
+from relforest.rl.fitted.questions import Question
+from relforest.rl.fitted.view import View
+from relforest.rl.policy import RandomPolicy
+from relforest.rl.rollout import rollout, world_of
+from relforest.runs import METRIC_NAMES, Run, RunStore
 from relforest.support.rng import seed_sequence
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 
@@ -39,3 +50,24 @@ def write_run_of_sarsa(folder: Path, team: Team, rules: KeepawayOptions) -> None
     learner = SarsaLearner(rules, SarsaSettings(), False, seed_sequence(0), 1, 1)  # noqa: FBT003
     row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
     RunStore(folder, learner).write(Run(Trained(team), (row,)))
+
+
+def write_run_of_questions(folder: Path, iterations: int = 1) -> None:
+    """Write a run of smrf-q in the corridor, with a policy that goes to the nearer end."""
+    env = task_named("corridor").make()
+    world, learner = world_of(env), QLearner(env, QSettings(), seed_sequence(0), 4, 2)
+    place = Mapping("identity", world.schema["location"])
+    right = Condition(1, (Statement(place, (0,), Bound(0, "at least", 0.5)),))
+    knots, falls = (-0.5, -0.25, 0.0, 0.25, 0.5), (2.0, 1.0, 0.0, -1.0, -2.0)
+    questions = ((Question(right, knots, falls[::-1], 1.0),), (Question(right, knots, falls, 2.0),))
+    view = View(world.schema, ())
+    value = QValue(
+        view, world.action_types, Sum(view.schemas(world.action_types), None, (1.0, 1.5), questions)
+    )
+    batch = rollout(env, RandomPolicy(), 4, seed_sequence(0))
+    rows = tuple(
+        dict(zip(METRIC_NAMES, (number, 1.0, 1.0 if number else None, 2, 10), strict=True))
+        for number in range(iterations + 1)
+    )
+    known = QKnowledge(value, (batch,) * iterations) if iterations else QKnowledge(None, ())
+    RunStore(folder, learner).write(Run(known, rows))

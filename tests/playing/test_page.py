@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 import pytest
 
+from playing.test_recorder import Convinced
 from playing.toy_world import DISC, STAGE, ToyWorld
 from relforest.playing.frames import Frame, Stage, Thing
 from relforest.playing.page import page
@@ -105,6 +106,24 @@ def test_choices_are_told_in_words_and_values() -> None:
     assert (one["from"], one["until"], one["lasts"], one["reward"]) == (0, 2, 1.0, 2.0)
     assert (game["words"][one["words"]], one["chosen"], one["values"]) == (["a"], 0, [1.0, None])
     assert other["values"] is None
+
+
+def test_reasons_mark_the_things_they_are_about() -> None:
+    (recording,) = record_episodes(ToyWorld(1), Convinced(), explain=True)
+    game = data_of(page([replace(recording, before=2.0)]))
+    (episode,) = game["episodes"]
+    why = episode["choices"][0]["why"]
+
+    assert (episode["before"], episode["reward"]) == (2.0, 3.0)
+    assert (game["words"][why["rival"]], why["lead"], why["rest"]) == (
+        ["roll ", ["left", "disc"]],
+        1.75,
+        [3, 0.25],
+    )
+    assert [(reason["adds"], reason["marks"]) for reason in why["reasons"]] == [(2.0, [0]), (-0.5, [0])]
+    assert game["words"][why["reasons"][0]["says"]] == ["C is right"]
+    assert ["d", "disc"] in game["words"][why["reasons"][0]["stands"]]
+    assert "why" not in data_of(page([recorded()]))["episodes"][0]["choices"][0]
 
 
 def test_frames_at_any_times_become_ticks() -> None:

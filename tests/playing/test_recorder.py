@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from playing.toy_world import STAGE, ToyWorld
 from relforest.playing.frames import Frame
+from relforest.playing.reasons import Explanation, Reason
 from relforest.playing.recorder import Recording, record_episodes
 from relforest.playing.shapes import plain
 from relforest.smdp import Decision
@@ -79,7 +80,7 @@ def test_of_many_actions_the_most_valuable_and_the_chosen_one_are_told() -> None
             return (str(position),)
 
         def decision(self) -> Decision:
-            n = 20 if self.toy.time < 1 else 0
+            n = 60 if self.toy.time < 1 else 0
             return Decision(np.zeros((1, 1)), np.zeros(n, int), np.empty((n, 0), int), np.arange(n))
 
         def step(self, action: int, /) -> Any:  # noqa: ARG002
@@ -94,7 +95,7 @@ def test_of_many_actions_the_most_valuable_and_the_chosen_one_are_told() -> None
 
     (episode,) = record_episodes(Wide(), Low())
     (choice,) = episode.choices
-    assert choice.options == tuple((str(n),) for n in (2, 13, 14, 15, 16, 17, 18, 19))
+    assert choice.options == tuple((str(n),) for n in (2, *range(11, 60)))
     assert (choice.chosen, choice.words) == (0, ("2",))
     # Without values, too many actions are not told.
     assert len(record_episodes(Wide(), Random())[0].choices[0].options) == 1
@@ -105,6 +106,52 @@ def test_an_episode_is_over_when_the_policy_has_nothing_left_to_do(stop: int) ->
     (episode,) = record_episodes(ToyWorld(), Right(stop))
 
     assert (len(episode.choices), episode.duration, episode.end) == (stop, float(stop), "")
+
+
+@final
+class Convinced:
+    """Goes right, and knows why."""
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002
+        return 1
+
+    def explain(self, decision: Decision, position: int) -> Explanation:  # noqa: ARG002
+        reasons = (
+            Reason(2.0, "C is right", "true", "false", witnesses=(("C", 0), ("D", 5))),
+            Reason(-0.5, "some object is left", "", of_rival=True, witnesses=(("", 0),)),
+        )
+        return Explanation(0, 1.75, reasons, 3, 0.25)
+
+
+def test_a_policy_is_asked_why_on_demand() -> None:
+    (silent,), (told,) = (record_episodes(ToyWorld(1), Convinced(), explain=asked) for asked in (False, True))
+    assert silent.choices[0].why is None
+    why = told.choices[0].why
+    assert why is not None
+    assert plain(why.rival) == "roll left"
+    # What is not drawn has no name.
+    assert [[(variable, key) for variable, key, _ in each] for each in why.witnesses] == [
+        [("C", "disc")],
+        [("", "disc")],
+    ]
+    assert tuple(map(plain, why.words(0))) == ("C is right", "true; C is d; if roll left: false")
+    assert tuple(map(plain, why.words(1))) == ("some object is left", "of roll left: it is d")
+    # Nobody explains where the policy cannot.
+    assert record_episodes(ToyWorld(1), Random(), explain=True)[0].choices[0].why is None
+
+
+def test_what_was_earned_before_the_first_decision_counts() -> None:
+    @final
+    class Early:
+        def __init__(self) -> None:
+            self.unwrapped, self.step = toy, toy.step
+
+        def reset(self, *, seed: int | None = None) -> tuple[None, dict[str, Any]]:
+            return toy.reset(seed=seed)[0], {"reward_before": 5.0}
+
+    toy = ToyWorld(2)
+    (episode,) = record_episodes(Early(), Right())
+    assert (episode.before, episode.reward) == (5.0, 7.0)
 
 
 def test_episodes_depend_on_the_seed_and_their_number_only() -> None:

@@ -54,6 +54,9 @@ class ToyWorld:
     def say(self, position: int) -> Words:
         return ("roll ", Chip(("left", "right")[position], "disc"))
 
+    def named(self, position: int) -> tuple[str, Words] | None:
+        return ("disc", (Chip("d", "disc"),)) if position == 0 else None
+
     def decision(self) -> Decision:
         types = np.arange(2 if self.time < self.length else 0)
         return Decision(np.array([[self.x]]), types, np.empty((len(types), 0), dtype=np.int64), types)

@@ -17,9 +17,12 @@ from tyro.conf import Positional, arg
 
 from relforest.cli.early_checks import UsageError, naming_options, option_name
 from relforest.cli.progress import note, working
+from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
+    from relforest.experiments.learned_policies import AgentPolicy, TeamPolicy
     from relforest.playing import Recording
+    from relforest.playing.recorder import Why
 
 _MOST_LINES: Final = 20
 
@@ -88,12 +91,15 @@ class PlayOptions:
     """Play episodes of a world and, with --out, write a page that shows them.
 
     The length, the decisions and the outcome of each episode are printed. The page is a single HTML file that
-    any browser opens offline; it plays the episodes and lists every decision.
+    any browser opens offline; it plays the episodes and lists every decision. Of a policy that a relational
+    learner has learned, it also shows what speaks for each decision and against it.
 
     For example:
       relforest play keepaway --policy hand --keepers 3 --takers 2 --out game.html
       relforest play keepaway --keepers 4 --takers 3 --size 25 --episodes 10
       relforest play keepaway --policy runs/keepaway --out learned.html
+      relforest play keepaway --policy runs/keepaway --explain
+      relforest play keepaway --policy runs/keepaway --questions 30 --episodes 100
       relforest play corridor --policy runs/corridor --out corridor.html
       relforest play high-towers --policy large-first --out towers.html
       relforest play color-grouping --episodes 5 --seed 1 --out colors.html
@@ -124,6 +130,11 @@ class PlayOptions:
         Blocks tasks: actions after which an episode ends.
     distance
         color-grouping: how colors are compared.
+    explain
+        Print a line about each decision: what speaks most for it, and against it, compared with the next best
+        action. For run folders of smrf-q and smrf-rpi.
+    questions
+        Ask only so many of the questions of a run of smrf-q, those that matter most for choosing.
     episodes
         Number of episodes.
     seed
@@ -158,6 +169,8 @@ class PlayOptions:
         Literal["ciede2000", "rgb"] | None,
         arg(metavar="{ciede2000,rgb}", help_behavior_hint="(default: ciede2000)"),
     ] = None
+    explain: bool = False
+    questions: Annotated[int | None, arg(metavar="INT", help_behavior_hint="(default: all)")] = None
     episodes: int = 1
     seed: int = 0
     out: Annotated[Path | None, arg(metavar="PAGE", help_behavior_hint="(default: no page)")] = None
@@ -174,7 +187,13 @@ def play(options: PlayOptions) -> int:
         known = ", ".join(map(repr, world.policies))
         raise UsageError(f"--policy must be one of {known}, or a run folder, got {name!r}")
 
+    if name in world.policies and (options.explain or options.questions is not None):
+        flag = "--explain" if options.explain else "--questions"
+        raise UsageError(f"{flag} is for what was learned: give --policy the folder of a run")
     recordings = _record(options, chosen, name)
+    if options.explain:
+        for line in _explained(recordings):
+            print(line)
     for line in _described(recordings):
         print(line)
     if options.out is not None:
@@ -228,9 +247,50 @@ def _record(options: PlayOptions, chosen: Mapping[str, Any], policy: str) -> tup
     if policy in world.policies and isinstance(made, WorldEnv):
         decides = made.policies[policy]
     else:
-        decides = learned_policy(Path(policy), env)
+        decides = _learned(options, learned_policy(Path(policy), env))
     with working("playing"):
-        return record_episodes(env, decides, options.episodes, options.seed)
+        asks = options.explain or options.out is not None
+        return record_episodes(env, decides, options.episodes, options.seed, explain=asks)
+
+
+def _learned(options: PlayOptions, policy: TeamPolicy | AgentPolicy) -> TeamPolicy | AgentPolicy:
+    """Return a learned policy with as many questions as wanted."""
+    from relforest.experiments.learned_policies import AgentPolicy
+
+    if not isinstance(policy, AgentPolicy):
+        if options.explain or options.questions is not None:
+            raise InputError(f"{options.policy} was learned by Sarsa, whose values cannot be explained")
+        return policy
+    with naming_options(["questions"]):
+        return policy if options.questions is None else policy.with_questions(options.questions)
+
+
+def _explained(recordings: Sequence[Recording]) -> Iterator[str]:
+    """Yield a line about each decision."""
+    from relforest.playing.shapes import plain
+
+    for number, recording in enumerate(recordings, start=1):
+        if len(recordings) > 1:
+            yield f"episode {number}"
+        for choice in recording.choices:
+            yield f"{choice.begin:6.1f} s  {plain(choice.words)}{_because(choice.why)}"
+
+
+def _because(why: Why | None) -> str:
+    from relforest.playing.shapes import plain
+
+    if why is None:
+        return ": there was no other action"
+    explained = why.explanation
+    than = "more" if explained.lead >= 0.0 else "less"
+    parts = [f": worth {_brief(abs(explained.lead))} {than} than {plain(why.rival)}"]
+    for what, sign in (("for it", 1.0), ("against it", -1.0)):
+        number = next((i for i, each in enumerate(explained.reasons) if each.adds * sign > 0.0), None)
+        if number is not None:
+            says, stands = map(plain, why.words(number))
+            stood = f" ({stands})" if stands else ""
+            parts.append(f"{what}: {says}{stood} {explained.reasons[number].adds:+.2f}")
+    return "; ".join(parts)
 
 
 def _described(recordings: Sequence[Recording]) -> Iterator[str]:

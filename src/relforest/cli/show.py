@@ -1,4 +1,4 @@
-"""``relforest show``: print a model, or draw a tree."""
+"""``relforest show``: print a model or what a run has learned, or draw it."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -31,16 +31,21 @@ class ShowOptions:
     is printed (and marked in the drawing): its answers, the leaf that decided, and the objects that led to
     it.
 
+    Of the folder of a run, what it has learned is printed. The drawing of a run of smrf-q shows what matters
+    most to its policy: conditions over scenes of its experience, and what they add to the values of actions.
+
     For example:
       relforest show tree.json
       relforest show tree.json --out tree.svg
       relforest show tree.json --scene 17 of passes.parquet --out scene-17.png
       relforest show runs/corridor/trees/0001-left-1.json
+      relforest show runs/keepaway --out keepaway.png
 
     Parameters
     ----------
     model
-        Model file written by relforest fit, or a tree from a run folder.
+        Model file written by relforest fit, a tree from a run folder, or the folder of a run of smrf-q or
+        smrf-rpi.
     scene
         Id of a scene, written as in the table, and its Parquet or CSV file: "--scene K of FILE", or
         "--scene K --of FILE".
@@ -81,6 +86,10 @@ def show(options: ShowOptions) -> int:
     if options.out is not None:
         check_suffix(options.out)
         check_free(options.out, force=options.force)
+    if options.model.is_dir():
+        if chosen is not None:
+            raise InputError(f"--scene belongs to models and trees, and {options.model} is a folder: omit it")
+        return _show_run(options)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
     if options.out is not None or chosen is not None:
@@ -94,6 +103,34 @@ def show(options: ShowOptions) -> int:
         title = f"{'Mean' if model.classes is None else 'Probability'} of {model.outcome}"
         figure = tree_figure(model.tree, points=model.points, highlight=scene, title=title)
         save_figure(figure, options.out)
+        note(f"wrote {options.out}")
+    return 0
+
+
+def _show_run(options: ShowOptions) -> int:
+    """Print what a run has learned and draw what matters most to its policy."""
+    from relforest.experiments.learned_policies import method_of
+    from relforest.reports import policy_figure, run_report, save_figure
+    from relforest.rl.experience_files import read_experience
+    from relforest.rl.fitted.value import QValue
+    from relforest.rl.saved_policy import read_policy
+    from relforest.runs import read_checkpoint
+
+    folder, method = options.model, method_of(options.model)
+    if method.report is None:
+        raise InputError(
+            f"{folder} was learned by {method.title}, which asks no questions: see relforest play"
+        )
+    print(run_report(folder))
+    if options.out is not None:
+        value, iteration = read_policy(folder), read_checkpoint(folder).iteration
+        if not isinstance(value, QValue):
+            raise InputError(f"{folder} consists of trees: draw one of those in {folder / 'trees'}")
+        batches = read_experience(folder, iteration, value.schema, value.action_types)
+        title = (
+            f"What matters most in {folder.name} after {iteration} iteration{'' if iteration == 1 else 's'}"
+        )
+        save_figure(policy_figure(value, batches[-1], title=title), options.out)
         note(f"wrote {options.out}")
     return 0
 

@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.keepaway_team import Team
-from relforest.experiments.methods import METHODS
+from relforest.experiments.methods import METHODS, Method
 from relforest.experiments.sarsa import trained_team
+from relforest.playing.reasons import Explanation
 from relforest.rl.baselines import TileCoding
 from relforest.rl.configuration import check_world
+from relforest.rl.explaining import explanation
+from relforest.rl.fitted.value import QValue
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.runs.store import CHECKPOINT, read_checkpoint
@@ -61,6 +64,22 @@ class AgentPolicy:
         """Return the values of all actions, (n_actions,)."""
         return self.value.values(decision)
 
+    def explain(self, decision: Decision, position: int) -> Explanation | None:
+        """Return what speaks for an action and against it, see `relforest.rl.explaining.explanation`."""
+        return explanation(self.value, decision, position)
+
+    def with_questions(self, n: int) -> AgentPolicy:
+        """Return the policy that asks the `n` questions that matter most for choosing.
+
+        Raises
+        ------
+        InputError
+            If `n` is negative, or the policy is no sum of questions.
+        """
+        if not isinstance(self.value, QValue):
+            raise InputError("questions can only be left out of policies of smrf-q")
+        return AgentPolicy(self.value.with_questions(n))
+
 
 def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | AgentPolicy:
     """Return the policy of a run folder of ``relforest learn``.
@@ -80,11 +99,23 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     ModelFormatError
         If a file in it is damaged.
     """
+    policy: TeamPolicy | AgentPolicy = resolve_name(method_of(folder).policy)(folder, env)
+    return policy
+
+
+def method_of(folder: Path) -> Method:
+    """Return how the agent of a run folder learns.
+
+    Raises
+    ------
+    InputError
+        If the folder does not contain a run.
+    ModelFormatError
+        If its checkpoint is damaged.
+    """
     if (folder / CHECKPOINT).exists():
         document = read_checkpoint(folder).document
-        made = (method.policy for method in METHODS.values() if method.mark in document)
-        policy: TeamPolicy | AgentPolicy = resolve_name(next(made, METHODS["smrf-rpi"].policy))(folder, env)
-        return policy
+        return next((each for each in METHODS.values() if each.mark in document), METHODS["smrf-rpi"])
     if (folder / "run-00").is_dir():
         raise InputError(
             f"{folder} contains several runs: give the folder of one, such as {folder / 'run-00'}"

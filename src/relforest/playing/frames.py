@@ -149,3 +149,12 @@ class Shown(Protocol):
     def say(self, position: int) -> Words:
         """Return the available action at a position of the present decision in words."""
         ...
+
+
+@runtime_checkable
+class Naming(Protocol):
+    """A world that also knows which things are the objects of a decision."""
+
+    def named(self, position: int) -> tuple[str, Words] | None:
+        """Return the key of the thing that an object of the present decision is, and its name; None: none."""
+        ...

@@ -5,7 +5,7 @@
 const game = JSON.parse(document.getElementById("game").textContent);
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 const TRAIL = 15, SMALLEST = 9, HEADER = 32;
-const state = { episode: 0, time: 0, playing: false, speed: 1, last: 0 };
+const state = { episode: 0, time: 0, playing: false, speed: 1, last: 0, reason: -1 };
 let colors = {}, rows = [], told = "", shown = "", trails = true;
 
 const find = (id) => document.getElementById(id);
@@ -228,6 +228,7 @@ function draw(canvas, time, { small = false } = {}) {
   }
   drawLook(pen, camera, at(episode.notes, tick), HERE);
   if (small) return;
+  drawWitnesses(pen, camera, time);
   pen.translate(0, -HEADER);
   pen.fillStyle = colors.paper;
   pen.fillRect(0, 0, width, HEADER);
@@ -251,6 +252,51 @@ function drawTrails(pen, camera, time) {
     }
   }
   pen.globalAlpha = 1;
+}
+
+const reaches = new Map();
+
+function reachOf(look) {
+  // How far what is drawn of a thing reaches from where it is.
+  if (!reaches.has(look)) {
+    const far = (game.looks[look] || []).map((shape) => {
+      if (shape.type === "circle" && shape.fill) return Math.hypot(...shape.centre) + shape.radius;
+      return shape.type === "polygon" && shape.fill ? Math.max(...shape.corners.map((corner) => Math.hypot(...corner))) : 0;
+    });
+    reaches.set(look, Math.max(0, ...far));
+  }
+  return reaches.get(look);
+}
+
+const signOf = (reason) => (reason.adds < 0 ? "doubt" : "mark");
+
+function drawWitnesses(pen, camera, time) {
+  // A ring around each object that satisfies a reason best: the chosen reason, or else the first for and against.
+  const tick = Math.floor(time), reasons = current().choices[choiceAt(tick)]?.why?.reasons || [];
+  const rings = new Map(), badges = [];
+  const first = (color) => reasons.findIndex((reason) => signOf(reason) === color && reason.marks.length);
+  const shownReasons = state.reason >= 0 ? [state.reason] : [first("mark"), first("doubt")].filter((index) => index >= 0);
+  for (const index of shownReasons) {
+    for (const place of reasons[index].marks) {
+      const track = current().tracks[place], look = at(track.looks, tick);
+      if (look < 0) continue;
+      const before = rings.get(place) || 0, radius = camera.scale * reachOf(look) + 5 + 5 * before;
+      const [x, y] = camera.place([0, 0], poseBetween(track, time, look)), color = signOf(reasons[index]);
+      rings.set(place, before + 1);
+      pen.beginPath();
+      pen.arc(x, y, radius, 0, 2 * Math.PI);
+      stroke(pen, "card", 5);
+      stroke(pen, color, 3);
+      const side = (radius + 8) * Math.SQRT1_2, middle = x + (before % 2 ? -side : side);
+      badges.push([String(index + 1), middle, y - side, color]);
+    }
+  }
+  for (const [number, x, y, color] of badges) {
+    pen.beginPath();
+    pen.arc(x, y, 9, 0, 2 * Math.PI);
+    fill(pen, color);
+    write(pen, number, x, y + 0.5, 12, "card");
+  }
 }
 
 function drawStrip() {
@@ -284,9 +330,13 @@ function listRows() {
       previous.reward += choice.reward;
     } else rows.push({ ...choice, brief, times: 1 });
   }
+  if (current().before) {
+    const until = rows.length ? rows[0].from : lastTick();
+    rows.unshift({ from: 0, until, lasts: until / game.rate, reward: current().before, times: 1 });
+  }
   const body = find("rows");
   body.replaceChildren(...rows.map((row) => {
-    const words = worded(row.words);
+    const words = row.words === undefined ? make("span", "before any decision") : worded(row.words);
     if (row.times > 1) words.append(` \u00d7 ${row.times}`);
     row.line = make("tr");
     row.line.append(make("td", seconds(row.from), { class: "n" }), make("td"), make("td", row.lasts.toFixed(1), { class: "n" }), make("td", plus(row.reward), { class: "n" }));
@@ -339,7 +389,36 @@ function tellChoice(tick) {
   }) : []));
   if (choice) said.replaceChildren(worded(choice.words), make("small", `from ${seconds(choice.from)} s for ${choice.lasts.toFixed(1)} s, reward ${plus(choice.reward)}`));
   else said.replaceChildren("no decision yet", make("small", `until ${seconds(current().choices[0]?.from ?? lastTick())} s`));
+  options.classList.toggle("many", listed.length > 8);
+  const taken = options.querySelector("[aria-current]");
+  if (taken) options.scrollTop = taken.offsetTop - options.clientHeight / 2;
+  tellWhy(choice?.why);
   drawChange();
+}
+
+function tellWhy(why) {
+  state.reason = -1;
+  const lead = why ? ["it is worth ", signed(Math.abs(why.lead), 2), why.lead < 0 ? " less than " : " more than ", worded(why.rival)] : [];
+  find("lead").replaceChildren(...lead);
+  find("reasons").replaceChildren(...(why ? why.reasons.map(reasonItem) : []));
+  const [count, adds] = why ? why.rest : [0, 0];
+  find("rest").textContent = count ? `${count} more: ${plus(adds)}` : "";
+}
+
+function reasonItem(reason, index) {
+  const item = make("li", undefined, { tabindex: 0 });
+  item.append(make("i", index + 1, { style: `background: var(--${signOf(reason)})` }), worded(reason.says), make("b", plus(reason.adds), { style: `color: var(--${signOf(reason)})` }));
+  const stands = worded(reason.stands, "small");
+  if (stands.textContent) item.append(stands);
+  const choose = (chosen) => () => {
+    state.reason = chosen;
+    for (const other of find("reasons").children) other.removeAttribute("aria-current");
+    if (chosen >= 0) item.setAttribute("aria-current", "true");
+    draw(stage, state.time);
+  };
+  for (const begin of ["mouseenter", "focus"]) item.addEventListener(begin, choose(index));
+  for (const end of ["mouseleave", "blur"]) item.addEventListener(end, choose(-1));
+  return item;
 }
 
 function moments(index) {
@@ -511,6 +590,9 @@ function start() {
   find("subtitle").textContent = game.subtitle;
   find("legend").textContent = game.legend;
   find("detailed").hidden = !game.episodes.some((episode) => episode.details.some(([, lines]) => lines.length));
+  const explained = game.episodes.some((episode) => episode.choices.some((choice) => choice.why));
+  find("why").hidden = !explained;
+  find("main").classList.toggle("reasoned", explained);
   find("trailing").hidden = !game.episodes.some((episode) => episode.tracks.some((track) => track.trail));
   find("speed").replaceChildren(...SPEEDS.map((speed) => make("option", `${speed}\u00d7`, { value: speed })));
   setSpeed(1);

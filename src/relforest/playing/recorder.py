@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, SupportsFloat, final, runtime_checkable
+from typing import Any, Final, NamedTuple, Protocol, SupportsFloat, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from relforest.playing.frames import Frame, Shown, Stage
+from relforest.playing.frames import Frame, Naming, Shown, Stage
+from relforest.playing.reasons import Explanation, Reason, Reasoning
 from relforest.playing.shapes import Words
 from relforest.smdp import Decision, World
 from relforest.support.errors import InputError
@@ -23,12 +24,14 @@ MOST_EPISODES: Final = 1000
 MOST_THINGS: Final = 2_000_000
 """Things in all frames together: more than 8 hours of keepaway, about 1 GB of memory."""
 
-MOST_LISTED: Final = 8
+MOST_LISTED: Final = 50
 """Actions of which a recorded choice tells the values."""
+MOST_UNVALUED: Final = 8
+"""Actions that a recorded choice tells without values."""
 
 
 class Policy(Protocol):
-    """Decides; `Valuing` and `Finishing` are what it may do beside that."""
+    """Decides; `Valuing`, `Reasoning` and `Finishing` are what it may do beside that."""
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return the position of an action in `decision`, which offers at least one."""
@@ -70,6 +73,26 @@ class Playable(Protocol):
         ...
 
 
+class Why(NamedTuple):
+    """An `Explanation` of which what it names can be found in the frames."""
+
+    rival: Words
+    """The best of the other actions."""
+    explanation: Explanation
+    witnesses: tuple[tuple[tuple[str, str, Words], ...], ...]
+    """For each reason the variables, keys of things and names of the objects that satisfy it best."""
+
+    def words(self, number: int) -> tuple[Words, Words]:
+        """Return a reason, and how it is in this state."""
+        reason = self.explanation.reasons[number]
+        stands: list[Any] = [*(("of ", *self.rival, ": ") if reason.of_rival else ()), reason.standing]
+        for variable, _, name in self.witnesses[number]:
+            stands += ["; " if stands[-1] else "", f"{variable} is " if variable else "it is ", *name]
+        if reason.compared:
+            stands += ["; if ", *self.rival, f": {reason.compared}"]
+        return (reason.says,), tuple(part for part in stands if part)
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Choice:
@@ -88,6 +111,8 @@ class Choice:
         Position among the options.
     values : tuple of float, optional
         What the policy thinks of them, NaN = unknown.
+    why : Why, optional
+        What spoke for the choice and against it, if that was asked for.
     """
 
     begin: float
@@ -97,6 +122,7 @@ class Choice:
     options: tuple[Words, ...]
     chosen: int
     values: tuple[float, ...] | None
+    why: Why | None = None
 
 
 @final
@@ -113,6 +139,8 @@ class Recording:
         In order.
     end : str
         How it ended, if the world says so in ``info["end"]``.
+    before : float
+        Reward before the first decision, ``info["reward_before"]``.
 
     Raises
     ------
@@ -124,6 +152,7 @@ class Recording:
     frames: tuple[Frame, ...]
     choices: tuple[Choice, ...]
     end: str = ""
+    before: float = 0.0
 
     def __post_init__(self) -> None:
         times = np.array([frame.time for frame in self.frames])
@@ -137,8 +166,8 @@ class Recording:
 
     @property
     def reward(self) -> float:
-        """Sum of all rewards, undiscounted."""
-        return sum(choice.reward for choice in self.choices)
+        """Sum of all rewards, undiscounted, with that before the first decision."""
+        return self.before + sum(choice.reward for choice in self.choices)
 
     @property
     def scores(self) -> tuple[float, ...]:
@@ -147,7 +176,7 @@ class Recording:
 
 
 def record_episodes(
-    env: Playable, policy: Policy, episodes: int = 1, seed: RandomState = 0
+    env: Playable, policy: Policy, episodes: int = 1, seed: RandomState = 0, *, explain: bool = False
 ) -> tuple[Recording, ...]:
     """Play episodes and record everything that can be seen.
 
@@ -161,6 +190,8 @@ def record_episodes(
     seed : int, numpy.random.SeedSequence or Generator
         The same seed gives the same episodes. Each episode has two random streams, one for the world and one
         for the policy, as in `relforest.rl.rollout`.
+    explain : bool
+        Whether a policy that is `Reasoning` is asked why.
 
     Returns
     -------
@@ -185,9 +216,12 @@ def record_episodes(
     try:
         for episode in range(episodes):
             report("playing episodes", episode, episodes)
-            env.reset(seed=int(stream(root, episode, 0).generate_state(1)[0]))
-            choices, end = _play(env, world, policy, watcher, generator(stream(root, episode, 1)))
-            recordings.append(Recording(world.stage, watcher.taken(), choices, end))
+            _, info = env.reset(seed=int(stream(root, episode, 0).generate_state(1)[0]))
+            reasoning = policy if explain and isinstance(policy, Reasoning) else None
+            rng = generator(stream(root, episode, 1))
+            choices, end = _play(env, world, (policy, reasoning), watcher, rng)
+            before = float(info.get("reward_before", 0.0))
+            recordings.append(Recording(world.stage, watcher.taken(), choices, end, before))
     finally:
         world.watch(None)
     return tuple(recordings)
@@ -198,8 +232,13 @@ class _ShownWorld(World, Shown, Protocol):
 
 
 def _play(
-    env: Playable, world: _ShownWorld, policy: Policy, watcher: _Watcher, rng: np.random.Generator
+    env: Playable,
+    world: _ShownWorld,
+    policies: tuple[Policy, Reasoning | None],
+    watcher: _Watcher,
+    rng: np.random.Generator,
 ) -> tuple[tuple[Choice, ...], str]:
+    policy, reasoning = policies
     choices: list[Choice] = []
     ended, info, decision = False, dict[str, Any](), world.decision()
     while not ended and len(decision):
@@ -209,17 +248,32 @@ def _play(
         decision.action(position)
         shown, values = _listed(policy, decision, int(position))
         options = tuple(world.say(number) for number in shown)
+        explained = None if reasoning is None else reasoning.explain(decision, int(position))
+        why = None if explained is None else _why(explained, world)
         _, reward, terminated, truncated, info = env.step(int(decision.indices[position]))
         chosen = shown.index(position)
-        choices.append(Choice(begin, watcher.now, options[chosen], float(reward), options, chosen, values))
+        told = options[chosen], float(reward), options, chosen, values, why
+        choices.append(Choice(begin, watcher.now, *told))
         ended, decision = terminated or truncated, world.decision()
     return tuple(choices), str(info.get("end", ""))
+
+
+def _why(explained: Explanation, world: _ShownWorld) -> Why:
+    """Return an explanation of the present decision with the names of what it is about."""
+
+    def found(reason: Reason) -> tuple[tuple[str, str, Words], ...]:
+        if not isinstance(world, Naming):
+            return ()
+        names = ((variable, world.named(position)) for variable, position in reason.witnesses)
+        return tuple((variable, *name) for variable, name in names if name is not None)
+
+    return Why(world.say(explained.rival), explained, tuple(map(found, explained.reasons)))
 
 
 def _listed(policy: Policy, decision: Decision, position: int) -> tuple[list[int], tuple[float, ...] | None]:
     """Return the positions of the actions worth telling, and their values."""
     if not isinstance(policy, Valuing):
-        return list(range(len(decision))) if len(decision) <= MOST_LISTED else [position], None
+        return list(range(len(decision))) if len(decision) <= MOST_UNVALUED else [position], None
     values = np.asarray(policy.values(decision), dtype=np.float64)
     if values.shape != (len(decision),):
         raise InputError(

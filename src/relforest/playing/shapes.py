@@ -23,6 +23,7 @@ ROLES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
         "track": ("#e6e5df", "#34383a"),
         "choice": ("#a8306f", "#f288bd"),
         "mark": ("#1f7a5c", "#6fd0ad"),
+        "doubt": ("#b4540a", "#f0a060"),
     }
 )
 """The colors of every stage: role -> its shade on light paper, and on dark paper."""

@@ -7,7 +7,7 @@ in the table of looks, and captions, bands and the like as pairs of a tick and w
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final, final
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.playing.frames import Frame, Stage
-from relforest.playing.recorder import Choice, Recording
+from relforest.playing.recorder import Choice, Recording, Why
 from relforest.playing.shapes import Chip, Shape, Words
 from relforest.support.errors import InputError
 
@@ -90,31 +90,35 @@ def episode_data(recording: Recording, tables: Tables) -> dict[str, Any]:
     shares = np.where(gaps > 0, (start + ticks / rate - times[latest]) / np.where(gaps > 0, gaps, 1.0), 0.0)
     shares = np.clip(shares, 0.0, 1.0)
     shown = [frames[number] for number in latest]
+    tracks = _tracks(frames, tables)
+    places = {key: place for place, key in enumerate(tracks)}
     return {
         "ticks": len(ticks),
-        "tracks": [
-            _track(track, (latest, following, shares), recording.stage) for track in _tracks(frames, tables)
-        ],
+        "tracks": [_track(track, (latest, following, shares), recording.stage) for track in tracks.values()],
         "notes": _changes(tables.look(frame.notes) for frame in shown),
         "captions": _changes(frame.caption for frame in shown),
         "scores": _changes(_rounded(frame.score) for frame in shown),
         "bands": _changes(frame.band for frame in shown),
         "details": _changes([tables.said(words) for words in frame.details] for frame in shown),
-        "choices": [_choice(choice, tables, recording) for choice in recording.choices],
+        "choices": [
+            _choice(choice, tables, recording) | _why(choice.why, tables, places)
+            for choice in recording.choices
+        ],
+        "before": _rounded(recording.before),
         "reward": _rounded(recording.reward),
         "end": recording.end,
     }
 
 
-def _tracks(frames: Sequence[Frame], tables: Tables) -> list[tuple[NDArray[np.float64], str]]:
-    """Return for each thing its (n_frames, 4) looks, x, y and angles, and the color of its trail."""
+def _tracks(frames: Sequence[Frame], tables: Tables) -> dict[str, tuple[NDArray[np.float64], str]]:
+    """Return for each key of a thing (n_frames, 4) looks, x, y and angles, and the color of its trail."""
     tracks: dict[str, tuple[NDArray[np.float64], str]] = {}
     for row, frame in enumerate(frames):
         for key, shapes, x, y, angle, trail in frame.things:
             if key not in tracks:
                 tracks[key] = np.full((len(frames), 4), np.nan), trail
             tracks[key][0][row] = tables.look(shapes), x, y, angle
-    return list(tracks.values())
+    return tracks
 
 
 def _track(
@@ -174,6 +178,21 @@ def _choice(choice: Choice, tables: Tables, recording: Recording) -> dict[str, A
         if known
         else None,
     }
+
+
+def _why(why: Why | None, tables: Tables, places: Mapping[str, int]) -> dict[str, Any]:
+    """Return the reasons for a choice; they mark things by the places of their tracks."""
+    if why is None:
+        return {}
+    explained = why.explanation
+    reasons = []
+    for number, (reason, found) in enumerate(zip(explained.reasons, why.witnesses, strict=True)):
+        says, stands = map(tables.said, why.words(number))
+        marks = [places[key] for _, key, _ in found if key in places]
+        reasons.append({"adds": _rounded(reason.adds), "says": says, "stands": stands, "marks": marks})
+    rest = [explained.n_others, _rounded(explained.rest)]
+    lead = _rounded(explained.lead)
+    return {"why": {"rival": tables.said(why.rival), "lead": lead, "reasons": reasons, "rest": rest}}
 
 
 def _rounded(value: Any) -> Any:  # noqa: ANN401 - any plain value

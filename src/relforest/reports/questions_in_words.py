@@ -8,6 +8,7 @@ from typing import Final
 from relforest.forests.words import sentence
 from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
+from relforest.rl.fitted.standing import in_words, is_number, unit_of
 from relforest.rl.fitted.value import QValue
 from relforest.support.numerals import number
 
@@ -25,7 +26,8 @@ def questions_in_words(value: QValue, most: int = MOST_QUESTIONS) -> str:
         _of_sum(learned, place, names, most)
         if isinstance(learned, Sum)
         else _of_horizon(learned, place, names, most)
-        for place in range(len(names))
+        # What is asked about the base action decides nothing.
+        for place in sorted(range(len(names)), key=lambda place: place == learned.base)
     )
     return "\n\n".join("\n".join(lines) for lines in own)
 
@@ -36,8 +38,12 @@ def _of_sum(learned: Sum, place: int, names: list[str], most: int) -> Iterator[s
     added = f"{number(learned.constants[place])} and what {len(own)} questions add"
     yield f"{names[place]}: {what} is {added}{_first(len(own), most)}"
     for rank, question in enumerate(own[:most], start=1):
-        points = zip(question.heights, question.knots, strict=True)
-        curve = ", ".join(f"{_signed(height)} at {number(knot)}" for height, knot in points)
+        points, (scale, unit) = (
+            zip(question.heights, question.knots, strict=True),
+            unit_of(question.condition),
+        )
+        curve = ", ".join(f"{_signed(height)} at {number(scale * knot)}" for height, knot in points)
+        curve += f" {unit}" if unit else ""
         yield f"  {rank}. how far it is from true that {sentence(question.condition, learned.schemas[place])}"
         yield f"     adds {curve}; varies by {number(question.spread)}"
 
@@ -47,9 +53,13 @@ def _of_horizon(learned: Horizon, place: int, names: list[str], most: int) -> It
     forests = f"{len(learned.forests.roots)} forests, one for each number of remaining actions"
     yield f"{names[place]}: {forests}, on {len(own)} measures{_first(len(own), most)}"
     for rank, each in enumerate(own[:most], start=1):
-        words = sentence(each.condition, learned.schemas[place])
-        what = "how often and how nearly it is true" if each.condition.n_free else "how far it is from true"
-        yield f"  {rank}. {each.importance:.1%}: {what} that {words}"
+        words, _ = in_words(each.condition, learned.schemas[place], 0.0, 0.0)
+        what = (
+            "how often and how nearly it is true that"
+            if each.condition.n_free
+            else "how far it is from true that"
+        )
+        yield f"  {rank}. {each.importance:.1%}: {'how much' if is_number(each.condition) else what} {words}"
 
 
 def _first(n: int, most: int) -> str:

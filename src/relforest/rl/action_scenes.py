@@ -7,17 +7,17 @@ import numpy as np
 from relforest.rl.experience import BoolArray, Experience
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import IntArray
-from relforest.smdp import UNBOUND
+from relforest.smdp import UNBOUND, Decisions
 
 
-def action_scenes(experience: Experience, candidates: IntArray, schema: Schema) -> Scenes:
+def action_scenes(experience: Experience | Decisions, candidates: IntArray, schema: Schema) -> Scenes:
     """Return one scene per candidate action: the objects it sees, the action's arguments bound first.
 
     An action sees the shared objects of its state, followed by the private objects that it binds.
 
     Parameters
     ----------
-    experience : Experience
+    experience : Experience or Decisions
     candidates : (m,) int64
         Candidate numbers, all of one action type.
     schema : Schema

@@ -12,17 +12,21 @@ from typing import final
 
 import numpy as np
 
+from relforest.forests.questions import leaf_in_words
 from relforest.forests.tree_features import leaf_widths, tree_features, width
+from relforest.rl.action_scenes import action_scenes
+from relforest.rl.explaining import AS_SUCH, Key, Part, Told
 from relforest.rl.kernels import ForestArrays, forest_values
 from relforest.rl.settings import FEATURE_MODES, FeatureMode
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray
-from relforest.smdp import ActionType, Decision
+from relforest.smdp import ActionType, Decision, Decisions
 from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
 from relforest.trees import Tree, query
 from relforest.trees.kernels import query_work
+from relforest.trees.nodes import variable_name
 from relforest.trees.packing import CHILDREN, VOLUME
 
 
@@ -120,6 +124,37 @@ class ValueFunction:
             forest_features(self.forests[number], scenes, self.features) @ self.weights[number]
         )
         return values
+
+    def parts(self, decision: Decision, position: int) -> list[Part]:
+        """Return what adds up to the value of an action, see `relforest.rl.explaining`.
+
+        That is the weight of its type as such, and for each tree its features times their weights.
+        """
+        number = int(decision.types[position])
+        scene, weights = self._scene(decision, position), self.weights[number]
+        found, column = [Part((number, AS_SUCH), float(weights[0]))], 1
+        for place, tree in enumerate(self.forests[number]):
+            features = tree_features(tree, query(tree, scene), self.features)[0]
+            found.append(Part((number, place), float(features @ weights[column : column + len(features)])))
+            column += len(features)
+        return found
+
+    def tell(self, decision: Decision, position: int, key: Key) -> Told:
+        """Return a part of the value of an action in words: the answers that lead to the leaf of a tree."""
+        number, place = key
+        if place == AS_SUCH:
+            return Told(f"{self.action_types[number].name} as such")
+        tree, scene = self.forests[number][place], self._scene(decision, position)
+        answers = query(tree, scene)
+        leaf = int(answers.leaf[0])
+        bound = answers.witnesses[0][: tree.n_bound[tree.leaves[leaf]]].tolist()
+        named = [(variable_name(variable), row) for variable, row in enumerate(bound) if row >= 0]
+        return Told(leaf_in_words(tree, leaf, tree.schema), "", tuple(named))
+
+    def _scene(self, decision: Decision, position: int) -> Scenes:
+        """Return the scene of an action; its rows are positions in the decision."""
+        schema = action_schemas(self.schema, self.action_types)[int(decision.types[position])]
+        return action_scenes(Decisions.of([decision]), np.array([position]), schema)
 
     def _check_forest(self, number: int, schema: Schema) -> None:
         trees, weights, name = self.forests[number], self.weights[number], self.action_types[number].name

@@ -26,6 +26,7 @@ from relforest.runs.store import RunStore
 from relforest.smdp import Decision, Decisions
 from relforest.support.errors import InputError, ModelFormatError
 from rl.small_worlds import Picking
+from rl.test_explaining import check_sums
 
 pytestmark = compiled_only
 
@@ -92,6 +93,15 @@ def test_states_with_other_numbers_of_remaining_actions_can_be_valued_together()
     assert {each.remaining for each in seen} == {1, 2, 3, 4}
     found = value.values_all(Decisions.of(seen))
     np.testing.assert_array_equal(found, np.concatenate([value.values(each) for each in seen]))
+
+
+@pytest.mark.parametrize("world", [Picking, Limited])
+def test_the_parts_of_values_add_up(world: type[Picking]) -> None:
+    value, env = learned(world(things=4), 1).value, world(things=4)
+    assert value is not None
+    for seed in range(5):
+        env.reset(seed=seed)
+        check_sums(value, env.decision())
 
 
 @pytest.mark.parametrize("world", [Picking, Limited])

@@ -82,7 +82,7 @@ def figures(task: str, table: Table) -> Mapping[str, Figure]:
                 linewidth=0,
             )
         for name in map(str, own.distinct("condition")):
-            if name not in settings.LEARNERS:
+            if name not in settings.LEARNERS and not name.startswith(settings.OURS):
                 level = float(rewards(table, task, name, 0).mean())
                 axes.axhline(level, color=GREY, linestyle="--", linewidth=0.9)
                 axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right")

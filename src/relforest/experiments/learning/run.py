@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final, cast
 import numpy as np
 
 from relforest.experiments.blocks.episodes import play
-from relforest.experiments.learned_policies import learned_policy
-from relforest.experiments.learning.settings import LARGER, LEARNERS, LearningSetting
+from relforest.experiments.learned_policies import AgentPolicy, learned_policy
+from relforest.experiments.learning.settings import BUDGETS, KEEPAWAY, LARGER, LEARNERS, OURS, LearningSetting
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import RunInFolder
 from relforest.experiments.study import Context
@@ -56,24 +56,39 @@ def compute(setting: LearningSetting, context: Context) -> list[Row]:
         for row in (() if run is None else metrics_of(run.folder)[: setting.iterations])
     ]
     played += [(task, total, _played(task, setting, run, context)) for task in tasks]
-    return [
+    rows: list[Row] = [
         {**head, "played": task, "episodes": episodes, "reward": reward} for task, episodes, reward in played
     ]
+    for n in BUDGETS if (setting.task, setting.condition) == (KEEPAWAY, OURS) else ():
+        reward = _played(setting.task, setting, run, context, questions=n)
+        budget = {"condition": f"{OURS}, {n} questions", "played": setting.task}
+        rows.append({**head, **budget, "episodes": total, "reward": reward})
+    return rows
 
 
-def _played(task: str, setting: LearningSetting, run: RunInFolder | None, context: Context) -> float:
+def _played(
+    task: str,
+    setting: LearningSetting,
+    run: RunInFolder | None,
+    context: Context,
+    *,
+    questions: int | None = None,
+) -> float:
     env = task_named(task).make()
     seed = stream(seed_sequence(context.seed), _TESTS, setting.run)
     world = env.unwrapped
     if run is not None:
-        rewards = rollout(env, learned_policy(run.folder, env), _MORE * setting.tests, seed).episode_rewards
+        policy = learned_policy(run.folder, env)
+        if questions is not None and isinstance(policy, AgentPolicy):
+            policy = policy.with_questions(questions)
+        rewards = rollout(env, policy, _MORE * setting.tests, seed).episode_rewards
     elif isinstance(world, BlocksEnv):
         # These policies stop when they have reached what they wanted.
         episodes = (stream(seed, number) for number in range(setting.tests))
         rewards = np.array([dict(play(world, setting.condition, each))["total"] for each in episodes])
     else:
-        policy = cast("WorldEnv", world).policies[setting.condition]
-        rewards = rollout(env, policy, setting.tests, seed).episode_rewards
+        hand_made = cast("WorldEnv", world).policies[setting.condition]
+        rewards = rollout(env, hand_made, setting.tests, seed).episode_rewards
     return float(rewards.mean())
 
 

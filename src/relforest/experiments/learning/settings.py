@@ -77,6 +77,9 @@ LARGER: Final = ("keepaway-4v3", "keepaway-5v4", "keepaway-6v5")
 HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLORS: "manual"}
 """Task -> the policy to beat."""
 
+BUDGETS: Final = (5, 10, 20, 30, 40)
+"""Numbers of questions with which the policies of `OURS` in keepaway are also tested in the end."""
+
 N_RUNS: Final = 10
 _TESTS: Final = 200
 _FEWER: Final = 100

@@ -13,9 +13,20 @@ from typing import Any, Final, final
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from relforest.forests.conditions import Condition
 from relforest.forests.packing import Packed, pack_conditions
 from relforest.rl.fitted.evidence import Evidence, check_values
-from relforest.rl.fitted.questions import N_KNOTS, Measures, Question, curves, features_of, knots_of, measured
+from relforest.rl.fitted.questions import (
+    N_KNOTS,
+    Measures,
+    Question,
+    curves,
+    features_of,
+    hats,
+    knots_of,
+    measured,
+    spokesmen,
+)
 from relforest.rl.fitted.returns import returns
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
@@ -74,6 +85,44 @@ class Sum:
         """Return a value of 0 for every action."""
         none: tuple[Question, ...] = ()
         return cls(schemas, base, (0.0,) * len(schemas), (none,) * len(schemas))
+
+    def shares(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
+        """Return the parts of what `worth` returns, (n, 1 + k): the type as such, then each question.
+
+        Questions are counted from what they usually add, and those alike with the one that stands for them.
+        """
+        knots, heights = self._curves[number][:, 0], self._curves[number][:, 1]
+        features = np.empty((len(seen.margins), len(knots) * N_KNOTS))
+        hats(seen.margins, np.ascontiguousarray(knots), features)
+        usual = np.array([question.usual for question in self.questions[number]])
+        adds = np.einsum("nkh,kh->nk", features.reshape(len(features), *knots.shape), heights) - usual
+        out = np.zeros((len(adds), 1 + len(usual)))
+        out[:, 0] = self.constants[number] + usual.sum()
+        for place, stands in enumerate(spokesmen(self.questions[number]), start=1):
+            out[:, 1 + stands] += adds[:, place - 1]
+        return out
+
+    def told(self, number: int, place: int) -> tuple[Condition | None, int]:
+        """Return what is asked at a place among the questions of an action type, and how many are alike."""
+        own = self.questions[number]
+        return own[place].condition, spokesmen(own).count(place)
+
+    def most_important(self, n: int) -> Sum:
+        """Return the sum of the `n` questions that matter most for choosing; the others add what is usual.
+
+        Those of the base are the last to count: they say how good a state is, and that is the same for all
+        of its actions.
+        """
+        every = [(number, place) for number, own in enumerate(self.questions) for place in range(len(own))]
+        every.sort(key=lambda at: (at[0] == self.base, -self.questions[at[0]][at[1]].spread))
+        kept = set(every[:n])
+        constants, questions = [], []
+        for number, own in enumerate(self.questions):
+            is_kept = [(number, place) in kept for place in range(len(own))]
+            rest = [question.usual for question, stays in zip(own, is_kept, strict=True) if not stays]
+            constants.append(self.constants[number] + sum(rest))
+            questions.append(tuple(question for question, stays in zip(own, is_kept, strict=True) if stays))
+        return replace(self, constants=tuple(constants), questions=tuple(questions))
 
     @property
     def size(self) -> tuple[int, int]:

@@ -22,7 +22,7 @@ class ForestArrays(NamedTuple):
     feature: IntArray  # (n_nodes,): what a node compares, -1 for a leaf
     threshold: FloatArray  # (n_nodes,): the first child is for features of at most this
     children: IntArray  # (n_nodes, 2): later nodes
-    value: FloatArray  # (n_nodes,): of a leaf
+    value: FloatArray  # (n_nodes,): of a leaf; of other nodes, the mean of what is below
     roots: IntArray  # (n_remaining, n_types, n_trees): -1 where nothing was learned
 
 
@@ -52,6 +52,20 @@ def forest_mean(forests: ForestArrays, roots: IntArray, features: NDArray[np.flo
     """Return the mean of the trees with these roots, (n,), for features (n, k); 0 if there are none."""
     out = np.empty(len(features))
     _add_up(forests, roots, features, out)
+    return out
+
+
+def path_parts(forests: ForestArrays, roots: IntArray, features: NDArray[np.float32]) -> FloatArray:
+    """Return the parts of `forest_mean`, (n, 1 + k): the mean at the roots, then what each feature adds.
+
+    A comparison adds the mean below it less the mean before it.
+
+    References
+    ----------
+    Saabas, Interpreting random forests (2014).
+    """
+    out = np.zeros((len(features), 1 + features.shape[1]))
+    _add_steps(forests, roots, features, out)
     return out
 
 
@@ -130,3 +144,20 @@ def _add_up(forests: ForestArrays, roots: IntArray, features: NDArray[np.float32
                     node = forests.children[node, 0 if is_first else 1]
                 total += forests.value[node] / len(roots)
         out[i] = total
+
+
+@kernel
+def _add_steps(
+    forests: ForestArrays, roots: IntArray, features: NDArray[np.float32], out: FloatArray
+) -> None:
+    for i in range(len(features)):
+        for root in roots:
+            if root < 0:
+                continue
+            out[i, 0] += forests.value[root] / len(roots)
+            node = root
+            while forests.feature[node] >= 0:
+                feature = forests.feature[node]
+                child = forests.children[node, 0 if features[i, feature] <= forests.threshold[node] else 1]
+                out[i, 1 + feature] += (forests.value[child] - forests.value[node]) / len(roots)
+                node = child

@@ -19,11 +19,11 @@ from relforest.forests.conditions import Condition
 from relforest.forests.packing import Packed, pack_conditions
 from relforest.rl.fitted.counted import counted_conditions, own_numbers
 from relforest.rl.fitted.evidence import Evidence
-from relforest.rl.fitted.forest_arrays import ForestArrays, forest_mean, joined
+from relforest.rl.fitted.forest_arrays import ForestArrays, forest_mean, joined, path_parts
 from relforest.rl.fitted.questions import Measures, measured
 from relforest.rl.fitted.settings import ForestSettings
 from relforest.scenes import Scenes, Schema
-from relforest.scenes.arrays import FloatArray
+from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.documents import well_formed
 from relforest.support.options import in_range
 from relforest.support.progress import report
@@ -105,10 +105,29 @@ class Horizon:
 
     def worth(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:
         """Return what actions (n,) of one type are worth with so many left, 0 where nothing was learned."""
+        return forest_mean(self.forests, *self._asked(number, seen, remaining))
+
+    def shares(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:
+        """Return the parts of `worth`, (n, k + 2): the type as such, each measure, the number of objects."""
+        is_counted = np.array([each.condition.n_free > 0 for each in self.measured[number]], dtype=np.bool_)
+        found = path_parts(self.forests, *self._asked(number, seen, remaining))
+        n = len(is_counted)
+        out = np.column_stack([found[:, : 1 + n], found[:, -1]])
+        out[:, 1 + np.flatnonzero(is_counted)] += found[:, 1 + n : -1]
+        return out
+
+    def told(self, number: int, place: int) -> tuple[Condition | None, int]:
+        """Return what is measured at a place among an action type's measures; None: the number of objects."""
+        own = self.measured[number]
+        return own[place].condition if place < len(own) else None, 1
+
+    def _asked(
+        self, number: int, seen: Measures, remaining: int | None
+    ) -> tuple[IntArray, NDArray[np.float32]]:
+        """Return the roots of the trees for so many actions left, and what they compare."""
         roots = self.forests.roots
         left = len(roots) if remaining is None else min(max(remaining, 1), len(roots))
-        found = _features([each.condition for each in self.measured[number]], seen)
-        return forest_mean(self.forests, roots[left - 1, number], found)
+        return roots[left - 1, number], _features([each.condition for each in self.measured[number]], seen)
 
 
 def _features(conditions: Sequence[Condition], seen: Measures) -> NDArray[np.float32]:

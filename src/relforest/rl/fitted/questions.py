@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, Final, NamedTuple, final
 
@@ -13,6 +14,7 @@ from relforest.forests.batches import in_batches
 from relforest.forests.conditions import Condition
 from relforest.forests.measures import measures, work_space
 from relforest.forests.packing import Packed
+from relforest.forests.statements import Near
 from relforest.rl.experience import BoolArray
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
@@ -23,6 +25,8 @@ from relforest.support.options import in_range
 
 N_KNOTS: Final = 5
 _QUANTILES: Final = (0.02, 0.25, 0.5, 0.75, 0.98)
+# The share of distances that is nearest to each knot.
+_WEIGHTS: Final = np.diff([0.0, *((a + b) / 2 for a, b in pairwise(_QUANTILES)), 1.0])
 # Knots of a distance that hardly varies are kept apart by so much of its size.
 _APART: Final = 1e-6
 
@@ -48,6 +52,11 @@ class Question:
     knots: tuple[float, ...]
     heights: tuple[float, ...] = (0.0,) * N_KNOTS
     spread: float = 0.0
+
+    @property
+    def usual(self) -> float:
+        """What it adds on average over distances of which the knots are quantiles, as they were at first."""
+        return float(_WEIGHTS @ self.heights)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the question as plain JSON values."""
@@ -83,6 +92,44 @@ def knots_of(margins: FloatArray) -> tuple[float, ...] | None:
         return None
     knots = np.quantile(finite, _QUANTILES)
     return tuple((knots + np.arange(N_KNOTS) * _APART * (1.0 + abs(knots[-1]))).tolist())
+
+
+def are_alike(a: Condition, b: Condition) -> bool:
+    """Return whether two conditions are about the same place: the centre of one lies within the other."""
+    if a.n_free != b.n_free or len(a.statements) != len(b.statements):
+        return False
+    for one, other in zip(a.statements, b.statements, strict=True):
+        if (one.mapping, one.variables) != (other.mapping, other.variables):
+            return False
+        if (
+            isinstance(one.test, Near)
+            and isinstance(other.test, Near)
+            and len(one.test.centre) == len(other.test.centre)
+        ):
+            away = np.subtract(one.test.centre, other.test.centre)
+            radii = np.maximum(one.test.radii, other.test.radii)
+            if one.test.component != other.test.component or ((away / radii) ** 2).sum() > 1.0:
+                return False
+        elif one.test != other.test:
+            return False
+    return True
+
+
+@lru_cache(maxsize=64)
+def spokesmen(questions: tuple[Question, ...]) -> tuple[int, ...]:
+    """Return the place of the question that stands for each: of those alike, the one that varies most.
+
+    Curves of distances from nearly the same place often cancel, so that none says anything alone.
+    """
+    found = [0] * len(questions)
+    chosen: list[int] = []
+    for place in sorted(range(len(questions)), key=lambda place: -questions[place].spread):
+        condition = questions[place].condition
+        like = (each for each in chosen if are_alike(questions[each].condition, condition))
+        found[place] = next(like, place)
+        if found[place] == place:
+            chosen.append(place)
+    return tuple(found)
 
 
 class Measures(NamedTuple):

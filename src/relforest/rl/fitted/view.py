@@ -13,7 +13,7 @@ from relforest.scenes import Attribute, Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.scenes.color import srgb_to_lab
 from relforest.scenes.schema import OPERATIONS_BY_KIND
-from relforest.smdp import ActionType
+from relforest.smdp import ActionType, Decisions
 from relforest.support.documents import well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.numerals import number
@@ -90,7 +90,7 @@ class View:
         return np.hstack(columns)
 
     def scenes(
-        self, experience: Experience, candidates: IntArray, schema: Schema, seen: FloatArray
+        self, experience: Experience | Decisions, candidates: IntArray, schema: Schema, seen: FloatArray
     ) -> Scenes:
         """Return the scenes of candidate actions of one type; `seen` are all objects as seen."""
         found = action_scenes(experience, candidates, Schema(self.world.attributes, schema.parameters))

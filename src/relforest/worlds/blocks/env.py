@@ -17,6 +17,7 @@ from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.command import Command, run_command
 from relforest.worlds.blocks.frames import (
+    block_chip,
     block_things,
     grip,
     marks_of,
@@ -218,6 +219,13 @@ class BlocksEnv(WorldEnv):
         """Return an action in words, such as "put 3 on 1"."""
         colors = dict(zip(self.state.ids.tolist(), self.state.colors.tolist(), strict=True))
         return option_words(self.command(position), colors)
+
+    def named(self, position: int) -> tuple[str, Words] | None:
+        """Return the key of the thing that an object is, and its name: the id of a block."""
+        if position >= len(self.state):
+            return None  # a place
+        block = int(self.state.ids[position])
+        return f"block {block}", (block_chip(block, self.state.colors[position].tolist()),)
 
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
         if seed is not None or not self._begun:

@@ -165,10 +165,15 @@ def option_words(command: Command, colors: Mapping[int, Sequence[float]]) -> Wor
     """Return an option in words, such as "put 3 on 1", with the blocks, id -> color, in their colors."""
     words: list[str | Chip] = [command.name]
     for argument, block in enumerate(_blocks_of(command)):
-        words += [" on " if argument else " ", Chip(str(block), _hex(tuple(colors[block])))]
+        words += [" on " if argument else " ", block_chip(block, colors[block])]
     if command.name == MOVE.name:
         words.append(f" to {command.arguments[1]:.1f}".replace("-", "\N{MINUS SIGN}"))
     return tuple(words)
+
+
+def block_chip(block: int, color: Sequence[float]) -> Chip:
+    """Return the name of a block on its color."""
+    return Chip(str(block), _hex(tuple(color)))
 
 
 def _blocks_of(command: Command | None) -> tuple[int, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from gymnasium import spaces
 
 from relforest.playing.frames import Frame, Stage
+from relforest.playing.shapes import Words
 from relforest.smdp import Decision
 from relforest.support.options import between, in_range
 from relforest.worlds.arguments import RENDER_MODES
@@ -119,6 +120,10 @@ class CorridorEnv(WorldEnv):
     def stage(self) -> Stage:
         """The floor."""
         return corridor_stage(self.window)
+
+    def named(self, position: int) -> tuple[str, Words]:  # noqa: ARG002 - there is only one
+        """Return the key of the thing that an object is, and its name."""
+        return "agent", ("the agent",)
 
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
         self._state = CorridorState(options["x"]) if options else initial_state(self.np_random)

@@ -138,6 +138,10 @@ class KeepawayEnv(WorldEnv):
         actor, *receiver = (player_chip(player, keepers) for player in action.arguments)
         return (actor, " passes to ", *receiver) if receiver else (actor, " holds")
 
+    def named(self, position: int) -> tuple[str, Words]:
+        """Return the key of the thing that an object is, and its name: the number of a player."""
+        return f"player {position}", (player_chip(position, self.setup.keepers),)
+
     def _begin(self, seed: int | None, options: Mapping[str, Any]) -> tuple[Arrays, Info]:  # noqa: ARG002 - the hook's
         self._choice = (0, NOBODY, NOBODY)
         if seed is None and self._begun:
