@@ -137,8 +137,7 @@ def test_each_decision_is_explained_on_demand(run: CommandLine, tmp_path: Path) 
     assert (outcome.code, len(lines)) == (0, 11)
     assert re.fullmatch(
         r"   0\.0 s  (left|right): worth \d\.\d\d more than (left|right); for it: some object has "
-        r"location at least 0\.5 \((of right: )?(true|off by 0\.\d+); it is the agent\) \+\d\.\d\d; "
-        r"against it: .*",
+        r"location at least 0\.5 \((if (left|right); )?(true|off by 0\.\d+); it is the agent\) \+\d\.\d\d.*",
         lines[0],
     )
     assert '"marks":[1]' in (tmp_path / "page.html").read_text("utf-8")

@@ -135,7 +135,7 @@ def test_a_policy_is_asked_why_on_demand() -> None:
         [("", "disc")],
     ]
     assert tuple(map(plain, why.words(0))) == ("C is right", "true; C is d; if roll left: false")
-    assert tuple(map(plain, why.words(1))) == ("some object is left", "of roll left: it is d")
+    assert tuple(map(plain, why.words(1))) == ("some object is left", "if roll left; it is d")
     # Nobody explains where the policy cannot.
     assert record_episodes(ToyWorld(1), Random(), explain=True)[0].choices[0].why is None
 

@@ -57,8 +57,8 @@ def test_reasons_are_what_differs_from_the_best_other_action() -> None:
 def test_what_only_one_of_two_types_has_is_told_about_that_one() -> None:
     found = explanation(Known(), DECISION, 0, most=1)
     assert found is not None
-    # 3.75 - 3.0; of +3, +1, +.25 the first is told, of -.5, -.5 and -2.5 the last.
-    assert (found.rival, found.lead, found.n_others) == (2, 0.75, 4)
+    # 3.75 - 3.0; of +3, +.5 (1 as such, less .5) and +.25 the first is told, of -.5 and -2.5 the last.
+    assert (found.rival, found.lead, found.n_others) == (2, 0.75, 3)
     assert [(each.adds, each.says, each.of_rival) for each in found.reasons] == [
         (3.0, "question (0, 0)", False),
         (-2.5, "question (1, 0)", True),

@@ -85,12 +85,15 @@ class Why(NamedTuple):
     def words(self, number: int) -> tuple[Words, Words]:
         """Return a reason, and how it is in this state."""
         reason = self.explanation.reasons[number]
-        stands: list[Any] = [*(("of ", *self.rival, ": ") if reason.of_rival else ()), reason.standing]
-        for variable, _, name in self.witnesses[number]:
-            stands += ["; " if stands[-1] else "", f"{variable} is " if variable else "it is ", *name]
-        if reason.compared:
-            stands += ["; if ", *self.rival, f": {reason.compared}"]
-        return (reason.says,), tuple(part for part in stands if part)
+        clauses: list[Words] = [("if ", *self.rival)] if reason.of_rival else []
+        clauses += [(reason.standing,)] if reason.standing else []
+        clauses += [
+            (f"{variable} is " if variable else "it is ", *name)
+            for variable, _, name in self.witnesses[number]
+        ]
+        clauses += [("if ", *self.rival, f": {reason.compared}")] if reason.compared else []
+        apart = (part for clause in clauses for part in ("; ", *clause))
+        return (reason.says,), tuple(apart)[1:]
 
 
 @final

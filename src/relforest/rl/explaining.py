@@ -79,6 +79,10 @@ def explanation(
     values[position] = -np.inf
     rival = int(values.argmax())
     own, theirs = (dict(value.parts(decision, each)) for each in (position, rival))
+    mine, other = ((int(decision.types[each]), AS_SUCH) for each in (position, rival))
+    if mine in own and mine not in theirs and other in theirs and other not in own:
+        # What the two types are worth as such is one difference.
+        theirs[mine] = theirs.pop(other)
     found = {key: own.get(key, 0.0) - theirs.get(key, 0.0) for key in {**own, **theirs}}
     ranked = sorted(
         ((adds, key) for key, adds in found.items() if adds != 0.0), key=lambda each: -abs(each[0])
