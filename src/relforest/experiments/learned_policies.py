@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.methods import METHODS
 from relforest.experiments.sarsa import trained_team
+from relforest.experiments.vectors import vector_value
 from relforest.rl.baselines import TileCoding
 from relforest.rl.configuration import check_world
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.saved_policy import AnyValue, read_policy
+from relforest.rl.vectors.learner import VectorValue
 from relforest.runs.store import CHECKPOINT, read_checkpoint
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
@@ -49,9 +51,9 @@ class TeamPolicy:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class AgentPolicy:
-    """What a relational learner has learned, whatever the number of objects."""
+    """What a learner of action values has learned; if it is relational, whatever the number of objects."""
 
-    value: AnyValue
+    value: AnyValue | VectorValue
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
@@ -70,8 +72,8 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     folder : path
         Of a single run.
     env : gymnasium.Env
-        The world to play in. Sarsa plays keepaway, with as many players as it was learned with; relational
-        policies play any world with the attributes and action types that it was learned with.
+        The world to play in. Relational policies play any world with the attributes and action types that
+        they were learned with; the others play keepaway, with as many players as they were learned with.
 
     Raises
     ------
@@ -97,6 +99,11 @@ def agent_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
     value = read_policy(folder)
     check_world(value.schema, value.action_types, env)
     return AgentPolicy(value)
+
+
+def vector_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
+    """Return what fitted Q on vectors has learned; see `learned_policy`."""
+    return AgentPolicy(vector_value(folder, env)[1])
 
 
 def team_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy:

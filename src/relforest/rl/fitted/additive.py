@@ -16,7 +16,6 @@ from scipy.linalg import cho_factor, cho_solve
 from relforest.forests.packing import Packed, pack_conditions
 from relforest.rl.fitted.evidence import Evidence, check_values
 from relforest.rl.fitted.questions import N_KNOTS, Measures, Question, curves, features_of, knots_of, measured
-from relforest.rl.fitted.returns import returns
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
 from relforest.scenes import Schema
@@ -245,9 +244,7 @@ class _Fit:
         """
         evidence, system = self.evidence, _System.of(self, settings.ridge)
         if sweeps == 0:
-            earned = np.empty(len(evidence.taken))
-            nothing = np.zeros(len(evidence.taken))
-            returns(evidence.rewards, evidence.discounts, nothing, evidence.follows, 1.0, earned)
+            earned = evidence.earned()
             return system.solve(self, earned), earned
         fit, before = self, None
         for _ in range(sweeps):
