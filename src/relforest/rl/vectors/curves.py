@@ -108,27 +108,15 @@ class LinearQ:
         rng: np.random.Generator,  # noqa: ARG002 - the protocol's
     ) -> Curves:
         """Return curves of the returns of their own policy."""
-        shares = _Shares.of(rows)
-        matrix = shares.features(evidence.taken)
-        n_own = (matrix.shape[1] - 2) // 2
-        is_other = matrix[:, 1] > 0.0
-        counted = np.ones(len(matrix), dtype=np.bool_), is_other
-        blocks = [slice(2, 2 + n_own), slice(2 + n_own, None)]
-        mean, spread = np.zeros(matrix.shape[1]), np.ones(matrix.shape[1])
-        for block, own in zip(blocks, counted, strict=True):
-            if own.any():
-                mean[block] = matrix[own, block].mean(axis=0)
-                spread[block] = matrix[own, block].std(axis=0) + _LEAST_SPREAD
-            matrix[own, block] = (matrix[own, block] - mean[block]) / spread[block]
-        penalty = np.concatenate([_NEARLY_FREE, np.full(2 * n_own, self.ridge)])
-        factor = cho_factor(matrix.T @ matrix + np.diag(penalty))
+        design = _Design.of(rows, evidence.taken)
+        matrix = design.features(evidence.taken)
+        factor = cho_factor(matrix.T @ matrix + np.diag(design.penalty(self.ridge)))
 
         def fit(targets: FloatArray) -> Curves:
             middle = targets.mean()
-            weights = cho_solve(factor, matrix.T @ (targets - middle)) / spread
-            weights[0] += middle - weights[blocks[0]] @ mean[blocks[0]]
-            weights[1] -= weights[blocks[1]] @ mean[blocks[1]]
-            return shares.curves(weights)
+            weights = cho_solve(factor, matrix.T @ (targets - middle))
+            weights[0] += middle
+            return design.curves(weights)
 
         return swept(before, evidence, rows, fit, self.sweeps)
 
@@ -140,16 +128,22 @@ class LinearQ:
 @final
 @dataclass(frozen=True, slots=True)
 class LSPI:
-    """Least-squares policy iteration with the same features.
+    """Least-squares policy iteration with the same features and penalty.
 
     Parameters
     ----------
+    ridge : float
+        As of `LinearQ`.
     settings : LSPISettings
     """
 
+    ridge: float = 30.0
     settings: LSPISettings = field(default_factory=LSPISettings)
 
     model: ClassVar[type[Model]] = Curves
+
+    def __post_init__(self) -> None:
+        in_range("ridge", self.ridge, 0.0, 1e9, open_low=True)
 
     def improved(
         self,
@@ -162,62 +156,86 @@ class LSPI:
 
         Before, there is a value of 0: the first policy takes the first action of each state.
         """
-        shares = _Shares.of(rows)
-        features = shares.features(np.arange(len(rows.base)))
+        design = _Design.of(rows, evidence.taken)
+        features = design.features(np.arange(len(rows.base)))
         values = np.zeros(len(features)) if before is None else before.values(rows)
         # In terms of the new knots, by least squares.
-        weights: FloatArray = np.asarray(np.linalg.lstsq(features, values, rcond=None)[0], dtype=np.float64)
-        found = lspi([features], _transitions(evidence), [weights], settings=self.settings)
-        learned = shares.curves(found.weights[0])
+        weights = np.asarray(np.linalg.lstsq(features, values, rcond=None)[0], dtype=np.float64)
+        # A ridge is so many transitions with a single feature that earn nothing and end.
+        table = np.vstack([features, np.diag(np.sqrt(design.penalty(self.ridge)))])
+        transitions = _transitions(evidence, np.arange(len(features), len(table)))
+        found = lspi([table], transitions, [weights], settings=self.settings)
+        learned = design.curves(found.weights[0])
         check_values(learned.values(rows), evidence)
         return learned
 
     def to_dict(self) -> dict[str, Any]:
         """Return the name of the learner and its options."""
-        return {"name": "lspi", **asdict(self.settings)}
+        return {"name": "lspi", "ridge": self.ridge, **asdict(self.settings)}
 
 
-class _Shares(NamedTuple):
-    """The share of each knot in the numbers of all actions."""
+class _Design(NamedTuple):
+    """The features of all actions: two constants, and the share of each knot, standardised.
+
+    The latter stand there for the first action of the state and, for other actions, once more for themselves.
+    """
 
     knots: FloatArray  # (w, N_KNOTS)
     shares: FloatArray  # (c, w * N_KNOTS)
     base: IntArray  # (c,)
+    mean: FloatArray  # (2, w * N_KNOTS): where actions were taken
+    spread: FloatArray
 
     @classmethod
-    def of(cls, rows: Rows) -> _Shares:
+    def of(cls, rows: Rows, taken: IntArray) -> _Design:
         """Place the knots at quantiles of the numbers of all actions."""
         columns = np.ascontiguousarray(rows.vectors.T)
         # Of fewer actions than knots, nothing can be learned anyway.
         knots = np.array([knots_of(each) or range(N_KNOTS) for each in columns], dtype=np.float64)
         shares = np.empty((len(rows.vectors), knots.size))
         hats(rows.vectors, knots, shares)
-        return cls(knots, shares, rows.base)
+        seen = shares[rows.base[taken]], shares[taken[rows.base[taken] != taken]]
+        mean, spread = np.zeros((2, knots.size)), np.ones((2, knots.size))
+        for number, own in enumerate(seen):
+            if len(own):
+                mean[number], spread[number] = own.mean(axis=0), own.std(axis=0) + _LEAST_SPREAD
+        return cls(knots, shares, rows.base, mean, spread)
+
+    def penalty(self, ridge: float) -> FloatArray:
+        """Return the penalties of the features: constants are hardly penalised."""
+        return np.concatenate([_NEARLY_FREE, np.full(2 * self.knots.size, ridge)])
 
     def features(self, chosen: IntArray) -> FloatArray:
-        """Return the features of some actions (n,), two constants first, (n, 2 + 2 * w * N_KNOTS)."""
-        is_other = (self.base[chosen] != chosen)[:, None]
-        first = np.hstack([np.ones_like(is_other, dtype=np.float64), is_other])
-        return np.hstack([first, self.shares[self.base[chosen]], self.shares[chosen] * is_other])
+        """Return the features of some actions (n,), (n, 2 + 2 * w * N_KNOTS)."""
+        is_other = (self.base[chosen] != chosen)[:, None].astype(np.float64)
+        both = self.shares[self.base[chosen]], self.shares[chosen]
+        of_first, own = ((each - m) / s for each, m, s in zip(both, self.mean, self.spread, strict=True))
+        return np.hstack([np.ones_like(is_other), is_other, of_first, own * is_other])
 
     def curves(self, weights: FloatArray) -> Curves:
         """Return the curves with weights of these features."""
-        return Curves(self.knots, weights[2:].reshape(2, *self.knots.shape).copy(), weights[:2].copy())
+        heights = weights[2:].reshape(2, -1) / self.spread
+        constants = weights[:2] - (heights * self.mean).sum(axis=1)
+        return Curves(self.knots, heights.reshape(2, *self.knots.shape), constants)
 
 
-def _transitions(evidence: Evidence) -> Transitions:
-    """Return the transitions with all actions in one table, as if of one type."""
+def _transitions(evidence: Evidence, others: IntArray) -> Transitions:
+    """Return the transitions with all actions in one table, as if of one type.
+
+    The `others` are further rows of the table, after which nothing follows.
+    """
     follows = evidence.discounts > 0.0
     starts = evidence.starts[evidence.next_states]
     counts = np.where(follows, evidence.starts[evidence.next_states + 1] - starts, 0)
     ends = np.cumsum(counts)
     following = np.arange(ends[-1]) + np.repeat(starts - (ends - counts), counts)
+    rows, nothing = np.append(evidence.taken, others), np.zeros(len(others))
     return Transitions(
-        np.zeros_like(evidence.taken),
-        evidence.taken,
-        evidence.rewards,
-        evidence.discounts,
-        np.append(0, ends),
+        np.zeros_like(rows),
+        rows,
+        np.append(evidence.rewards, nothing),
+        np.append(evidence.discounts, nothing),
+        np.concatenate([[0], ends, np.full(len(others), ends[-1])]),
         np.zeros_like(following),
         following,
     )

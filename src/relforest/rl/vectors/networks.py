@@ -17,7 +17,6 @@ from relforest.rl.fitted.evidence import Evidence, check_values
 from relforest.rl.vectors.approximator import Model, Rows
 from relforest.rl.vectors.sweeps import TRACE
 from relforest.scenes.arrays import FloatArray
-from relforest.support.documents import LARGEST_NUMBER
 from relforest.support.errors import ModelFormatError
 from relforest.support.options import at_least, in_range
 from relforest.support.progress import report
@@ -100,7 +99,7 @@ class Network:
         scale = arrays["scale"]
         if scale.shape != (2,) or scale.dtype != np.float64:
             raise ModelFormatError(f"{origin}: scale must be two numbers")
-        if not all((np.abs(each) <= LARGEST_NUMBER).all() for each in (scale, *sum(layers, ()))):
+        if not all(np.isfinite(each).all() for each in (scale, *sum(layers, ()))):
             raise ModelFormatError(f"{origin}: the network contains numbers that are not finite")
         return cls(int(parts[0]), tuple(layers), scale)
 
@@ -154,7 +153,7 @@ class NetworkQ:
             scale = np.array([earned.mean(), max(float(earned.std()), evidence.scale)])
             network = Network.drawn(self.parts, rows.vectors.shape[1], scale, rng)
         examples = _pieces(rows.vectors[evidence.taken], self.parts)
-        values = judged = network.values(rows)
+        values = judged = _bounded(network, rows, evidence)
         with _training(network, self.rate) as training:
             for sweep in range(self.sweeps):
                 report("target networks", sweep, self.sweeps)
@@ -165,8 +164,7 @@ class NetworkQ:
                     chosen = rng.integers(len(wanted), size=self.batch)
                     training.step(examples[chosen], wanted[chosen])
                 network, judged = Network(self.parts, training.layers(), network.scale), values
-                values = network.values(rows)
-                check_values(values, evidence)
+                values = _bounded(network, rows, evidence)
         return network
 
     def to_dict(self) -> dict[str, Any]:
@@ -174,12 +172,21 @@ class NetworkQ:
         return {name: getattr(self, name) for name in ("name", "parts", "sweeps", "steps", "batch", "rate")}
 
 
+def _bounded(network: Network, rows: Rows, evidence: Evidence) -> FloatArray:
+    """Return values of actions within what rewards allow, which networks exceed for actions never tried."""
+    largest = evidence.largest_value
+    values = np.clip(network.values(rows), -largest, largest)
+    check_values(values, evidence)  # NaN
+    return values
+
+
 def _shapes(width: int, parts: int) -> tuple[tuple[int, int], ...]:
     return (width // parts, _HIDDEN), (_HIDDEN, _HIDDEN), (_HIDDEN, _HIDDEN), (_HIDDEN, 1)
 
 
 def _pieces(vectors: FloatArray, parts: int) -> Floats:
-    return vectors.reshape(len(vectors), parts, -1).astype(np.float32)
+    shape = (len(vectors), parts, vectors.shape[1] // parts)
+    return vectors.reshape(shape).astype(np.float32)
 
 
 @final

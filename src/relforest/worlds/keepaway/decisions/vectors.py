@@ -87,7 +87,7 @@ class ActionObjects:
         out = np.zeros((len(decisions.types), self.n_rows, N_NUMBERS))
         players = _players(decisions, self.keepers + self.takers)
         _write_objects(players, decisions.owners, decisions.arguments, self.keepers, out)
-        return out.reshape(len(out), -1)
+        return out.reshape(len(out), self.width)
 
 
 def _players(decisions: Decisions, n: int) -> NDArray[np.float64]:
