@@ -78,6 +78,11 @@ def test_runs_go_to_a_folder_of_their_task(
         (("corridor", "--sarsa-alpha", "1"), "--sarsa-alpha is an option of Sarsa: leave it out with"),
         (("keepaway", "--method", "cmac-sarsa", "--rounds", "3"), "--rounds is an option of SMRF-RPI"),
         (("corridor", "--method", "cmac-sarsa"), "--method cmac-sarsa is not for corridor: use smrf-rpi"),
+        (("high-towers", "--method", "lspi"), "--method lspi is not for high-towers: use smrf-rpi or smrf-q"),
+        (
+            ("keepaway", "--method", "lspi", "--q-ridge", "3"),
+            "--q-ridge is an option of smrf-q: leave it out",
+        ),
     ],
 )
 def test_bad_options_are_one_clear_line(

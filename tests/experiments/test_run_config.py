@@ -30,7 +30,7 @@ from relforest.support.errors import InputError
         ),
         (
             {"method": "guess"},
-            "method must be one of 'smrf-rpi', 'smrf-q', 'cmac-sarsa', .*'rbf-sarsa', got",
+            "method must be one of 'smrf-rpi', 'smrf-q', 'cmac-sarsa', .*'deep-sets-q', got",
         ),
         ({"discount": 2.0}, "discount must be a number of at least 0 and of at most 1, got 2.0"),
         ({"rpi": {"epsilon": 0.1}}, r"rpi must be RPISettings\(...\), got {'epsilon': 0.1}"),

@@ -50,8 +50,9 @@ class LearnOptions:
         high-towers or color-grouping (5 blocks).
     method
         Learner: smrf-rpi, smrf-q or, for keepaway, cmac-sarsa (each keeper learns alone, as in the
-        benchmark), cmac-sarsa-shared (all learn from everyone's experience) or rbf-sarsa (radial basis
-        functions instead of tiles).
+        benchmark), cmac-sarsa-shared (all learn from everyone's experience), rbf-sarsa (radial basis
+        functions instead of tiles), linear-q, lspi, trees-q or boosting-q (fitted Q and LSPI on the
+        benchmark's state variables), dqn or deep-sets-q (networks; need the extra "bench").
     episodes
         Training episodes per iteration.
     iterations
@@ -147,12 +148,12 @@ def _config(options: LearnOptions) -> RunConfig:
 
     own = METHODS[options.method].settings
     for owner in METHODS.values():
-        foreign = given(getattr(options, owner.settings)) if owner.settings != own else {}
+        foreign = given(getattr(options, owner.settings)) if owner.settings not in (None, own) else {}
         for name in map(option_name, foreign):
             raise UsageError(
                 f"{name} is an option of {owner.title}: leave it out with --method {options.method}"
             )
-    task, chosen = task_named(options.task), getattr(options, own)
+    task = task_named(options.task)
     if options.method not in task.pictures:
         raise UsageError(
             f"--method {options.method} is not for {task.name}: use {' or '.join(task.pictures)}"
@@ -165,7 +166,7 @@ def _config(options: LearnOptions) -> RunConfig:
         seed=options.seed,
         test_episodes=options.test_episodes,
         method=options.method,
-        **chosen.config(task),
+        **({} if own is None else getattr(options, own).config(task)),
     )
 
 

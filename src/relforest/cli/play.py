@@ -20,7 +20,7 @@ from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
 
 if TYPE_CHECKING:
-    from relforest.experiments.learned_policies import AgentPolicy, TeamPolicy
+    from relforest.experiments.learned_policies import LearnedPolicy
     from relforest.playing import Recording
     from relforest.playing.recorder import Why
 
@@ -253,13 +253,13 @@ def _record(options: PlayOptions, chosen: Mapping[str, Any], policy: str) -> tup
         return record_episodes(env, decides, options.episodes, options.seed, explain=asks)
 
 
-def _learned(options: PlayOptions, policy: TeamPolicy | AgentPolicy) -> TeamPolicy | AgentPolicy:
+def _learned(options: PlayOptions, policy: LearnedPolicy) -> LearnedPolicy:
     """Return a learned policy with as many questions as wanted."""
     from relforest.experiments.learned_policies import AgentPolicy
 
     if not isinstance(policy, AgentPolicy):
         if options.explain or options.questions is not None:
-            raise InputError(f"{options.policy} was learned by Sarsa, whose values cannot be explained")
+            raise InputError(f"what {options.policy} learned has no parts that could be told or left out")
         return policy
     with naming_options(["questions"]):
         return policy if options.questions is None else policy.with_questions(options.questions)

@@ -6,13 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
+import gymnasium
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from relforest.experiments.sarsa import trained_team
+from relforest.experiments.vectors import vector_value
 from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
 from relforest.rl.fitted.value import QValue
+from relforest.rl.policy import ActionValues
 from relforest.rl.rollout import Environment
 from relforest.rl.saved_policy import read_policy
 from relforest.runs.store import read_checkpoint
@@ -41,14 +44,14 @@ _HOLDERS: Final = {"ball in a corner": (-0.7, 0.7), "ball in the centre": (0.0, 
 
 def agent_policy_map(folder: Path, env: Environment) -> Figure:
     """Draw what a relational policy of keepaway prefers."""
-    value, checkpoint, setup = read_policy(folder), read_checkpoint(folder), _setup(env)
+    value = read_policy(folder)
+    return _value_map(folder, env, value, "smrf-q" if isinstance(value, QValue) else "SMRF-RPI")
 
-    def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
-        seen = (scene_decision(players, setup.keepers, _ACTOR) for players in states)
-        return np.array([value.values(decision) for decision in seen])
 
-    name = "smrf-q" if isinstance(value, QValue) else "SMRF-RPI"
-    return _figure(setup, evaluate, f"{name} after {checkpoint.iteration} iterations")
+def vector_policy_map(folder: Path, env: gymnasium.Env[Any, Any]) -> Figure:
+    """Draw what a policy by fitted Q on vectors prefers."""
+    name, value = vector_value(folder, env)
+    return _value_map(folder, env, value, name)
 
 
 def team_policy_map(folder: Path, env: Environment) -> Figure:
@@ -81,6 +84,16 @@ def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> De
     matrix = objects(keepers, len(players) - keepers)
     describe(players, matrix)
     return decision(matrix, actor, receivers)
+
+
+def _value_map(folder: Path, env: Environment, value: ActionValues, name: str) -> Figure:
+    setup = _setup(env)
+
+    def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
+        seen = (scene_decision(players, setup.keepers, _ACTOR) for players in states)
+        return np.array([value.values(decision) for decision in seen])
+
+    return _figure(setup, evaluate, f"{name} after {read_checkpoint(folder).iteration} iterations")
 
 
 def _figure(setup: Setup, evaluate: Callable[[NDArray[np.float64]], NDArray[Any]], title: str) -> Figure:

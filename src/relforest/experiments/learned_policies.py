@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.methods import METHODS, Method
 from relforest.experiments.sarsa import trained_team
+from relforest.experiments.vectors import vector_value
 from relforest.playing.reasons import Explanation
 from relforest.rl.baselines import TileCoding
 from relforest.rl.configuration import check_world
@@ -20,6 +21,7 @@ from relforest.rl.explaining import explanation
 from relforest.rl.fitted.value import QValue
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.saved_policy import AnyValue, read_policy
+from relforest.rl.vectors.learner import VectorValue
 from relforest.runs.store import CHECKPOINT, read_checkpoint
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
@@ -81,7 +83,26 @@ class AgentPolicy:
         return AgentPolicy(self.value.with_questions(n))
 
 
-def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | AgentPolicy:
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class VectorPolicy:
+    """What fitted Q on vectors has learned, for a fixed number of players."""
+
+    value: VectorValue
+
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
+        """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
+        return GreedyPolicy(self.value).choose(decision, rng)
+
+    def values(self, decision: Decision) -> NDArray[np.float64]:
+        """Return the values of all actions, (n_actions,)."""
+        return self.value.values(decision)
+
+
+LearnedPolicy: TypeAlias = TeamPolicy | AgentPolicy | VectorPolicy
+
+
+def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> LearnedPolicy:
     """Return the policy of a run folder of ``relforest learn``.
 
     Parameters
@@ -89,8 +110,8 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     folder : path
         Of a single run.
     env : gymnasium.Env
-        The world to play in. Sarsa plays keepaway, with as many players as it was learned with; relational
-        policies play any world with the attributes and action types that it was learned with.
+        The world to play in. Relational policies play any world with the attributes and action types that
+        they were learned with; the others play keepaway, with as many players as they were learned with.
 
     Raises
     ------
@@ -99,7 +120,7 @@ def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy | A
     ModelFormatError
         If a file in it is damaged.
     """
-    policy: TeamPolicy | AgentPolicy = resolve_name(method_of(folder).policy)(folder, env)
+    policy: LearnedPolicy = resolve_name(method_of(folder).policy)(folder, env)
     return policy
 
 
@@ -128,6 +149,11 @@ def agent_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
     value = read_policy(folder)
     check_world(value.schema, value.action_types, env)
     return AgentPolicy(value)
+
+
+def vector_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> VectorPolicy:
+    """Return what fitted Q on vectors has learned; see `learned_policy`."""
+    return VectorPolicy(vector_value(folder, env)[1])
 
 
 def team_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib.util import find_spec
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
@@ -34,7 +35,7 @@ class Method:
     ----------
     title : str
         Its name in messages.
-    settings : str
+    settings : str, optional
         Where `relforest.experiments.run_config.RunConfig` and the command line have its settings.
     others : tuple of str
         Further options of `RunConfig` that belong to it.
@@ -49,21 +50,29 @@ class Method:
         The function that turns the folder of a run and an environment into a policy.
     mark : str
         The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`.
+    needs : str, optional
+        The package that it learns with and that the extra ``bench`` installs.
     """
 
     title: str
-    settings: str
+    settings: str | None
     others: tuple[str, ...]
     make: Callable[[Task, Options, tuple[int, int], np.random.SeedSequence, int], Learner[Any]]
     manifest: Callable[[Task, Options], dict[str, Any]]
     report: str | None
     policy: str
     mark: str
+    needs: str | None = None
 
     @property
     def options(self) -> tuple[str, ...]:
         """The options of `RunConfig` that belong to it."""
-        return (self.settings, *self.others)
+        return self.others if self.settings is None else (self.settings, *self.others)
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether the package that it needs is not installed."""
+        return self.needs is not None and find_spec(self.needs) is None
 
 
 # Importing learners takes long, and checking options does not need them.
@@ -99,15 +108,18 @@ def _q_learner(
 ) -> Learner[Any]:
     from relforest.rl.fitted.learner import QLearner
 
-    env = task.make(Q_DISCOUNT if options["discount"] is None else options["discount"])
+    env = task.make(_q_discount(options))
     return QLearner(env, options["q"] or QSettings(), seed, *episodes, n_jobs, options["source"])
 
 
 def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
-    discount = Q_DISCOUNT if options["discount"] is None else float(options["discount"])
     source: Source | None = options["source"]
     begun = {} if source is None else source.to_dict()
-    return {"settings": (options["q"] or QSettings()).to_dict(), "discount": discount, **begun}
+    return {"settings": (options["q"] or QSettings()).to_dict(), "discount": _q_discount(options), **begun}
+
+
+def _q_discount(options: Options) -> float:
+    return Q_DISCOUNT if options["discount"] is None else float(options["discount"])
 
 
 def _sarsa_learner(
@@ -146,6 +158,38 @@ def _sarsa(*, shared: bool = False, kind: TileKind = "tiles") -> Method:
     )
 
 
+def _vector_learner(
+    task: Task,
+    options: Options,
+    episodes: tuple[int, int],
+    seed: np.random.SeedSequence,
+    n_jobs: int,  # noqa: ARG001 - of every learner
+    *,
+    method: MethodName,
+) -> Learner[Any]:
+    from relforest.experiments.vectors import vector_learner
+
+    return vector_learner(method, task.make(_q_discount(options)), seed, episodes)
+
+
+def _vector_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
+    return {"discount": _q_discount(options)}
+
+
+def _vectors(method: MethodName, needs: str | None = None) -> Method:
+    return Method(
+        method,
+        None,
+        ("discount",),
+        partial(_vector_learner, method=method),
+        _vector_manifest,
+        None,
+        "relforest.experiments.learned_policies.vector_policy",
+        "vectors",
+        needs,
+    )
+
+
 METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
     {
         "smrf-rpi": Method(
@@ -171,7 +215,14 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
         "cmac-sarsa": _sarsa(),
         "cmac-sarsa-shared": _sarsa(shared=True),
         "rbf-sarsa": _sarsa(kind="bells"),
+        "linear-q": _vectors("linear-q"),
+        "lspi": _vectors("lspi"),
+        "trees-q": _vectors("trees-q"),
+        "boosting-q": _vectors("boosting-q"),
+        "dqn": _vectors("dqn", "torch"),
+        "deep-sets-q": _vectors("deep-sets-q", "torch"),
     }
 )
 """Name of a method -> SMRF-RPI; fitted Q on relational questions; Sarsa on the benchmark's tile coding, each
-keeper alone or all together; Sarsa on radial basis functions."""
+keeper alone or all together; Sarsa on radial basis functions; fitted Q and LSPI on curves of the benchmark's
+state variables, fitted Q by trees and by boosting of them, and by networks of the players as they are."""

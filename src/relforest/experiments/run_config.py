@@ -51,7 +51,7 @@ class RunConfig:
     rpi : RPISettings, optional
         Options of SMRF-RPI. Default: those of the task.
     discount : float, optional
-        Discount factor of the world, 0 to 1. Default: the world's own for SMRF-RPI, `Q_DISCOUNT` for smrf-q.
+        Discount factor of the world, 0 to 1. Default: its own for SMRF-RPI, `Q_DISCOUNT` for fitted Q.
     sarsa : SarsaSettings, optional
         Options of Sarsa. Default: those of the keepaway benchmark.
     q : QSettings, optional
@@ -62,8 +62,8 @@ class RunConfig:
     Raises
     ------
     InputError
-        If an option is out of its range or belongs to another method, or the task cannot be learned with this
-        method.
+        If an option is out of its range or belongs to another method, the task cannot be learned with this
+        method, or the package that it needs is not installed.
     """
 
     task: str
@@ -97,6 +97,11 @@ class RunConfig:
                 raise InputError(f"{name} must be {expected.__name__}(...), got {getattr(self, name)!r}")
         one_of("method", self.method, tuple(METHODS))
         one_of(f"the method for {self.task}", self.method, tuple(self.definition.pictures))
+        if (chosen := METHODS[self.method]).is_missing:
+            raise InputError(
+                f"{self.method} learns with {chosen.needs}, which is not installed: "
+                "install the extra 'relforest[bench]'"
+            )
         every = {name for method in METHODS.values() for name in method.options}
         for name in sorted(every - self.options.keys()):
             if getattr(self, name) is not None:

@@ -15,7 +15,19 @@ from relforest.support.options import in_range, one_of
 if TYPE_CHECKING:
     import gymnasium
     from matplotlib.figure import Figure
-MethodName: TypeAlias = Literal["smrf-rpi", "smrf-q", "cmac-sarsa", "cmac-sarsa-shared", "rbf-sarsa"]
+MethodName: TypeAlias = Literal[
+    "smrf-rpi",
+    "smrf-q",
+    "cmac-sarsa",
+    "cmac-sarsa-shared",
+    "rbf-sarsa",
+    "linear-q",
+    "lspi",
+    "trees-q",
+    "boosting-q",
+    "dqn",
+    "deep-sets-q",
+]
 """A key of `relforest.experiments.methods.METHODS`."""
 
 
@@ -95,13 +107,25 @@ class Task:
 
 
 _PICTURES: Final = "relforest.experiments"
+
+
+def _policy_map(function: str) -> Picture:
+    return Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.{function}")
+
+
 _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
     {
-        "smrf-rpi": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
-        "smrf-q": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.agent_policy_map"),
-        "cmac-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
-        "cmac-sarsa-shared": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
-        "rbf-sarsa": Picture("policy-map.png", f"{_PICTURES}.keepaway_picture.team_policy_map"),
+        "smrf-rpi": _policy_map("agent_policy_map"),
+        "smrf-q": _policy_map("agent_policy_map"),
+        "cmac-sarsa": _policy_map("team_policy_map"),
+        "cmac-sarsa-shared": _policy_map("team_policy_map"),
+        "rbf-sarsa": _policy_map("team_policy_map"),
+        "linear-q": _policy_map("vector_policy_map"),
+        "lspi": _policy_map("vector_policy_map"),
+        "trees-q": _policy_map("vector_policy_map"),
+        "boosting-q": _policy_map("vector_policy_map"),
+        "dqn": _policy_map("vector_policy_map"),
+        "deep-sets-q": _policy_map("vector_policy_map"),
     }
 )
 

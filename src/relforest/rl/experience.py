@@ -183,6 +183,17 @@ def concatenate(batches: Sequence[Experience]) -> Experience:
     return Experience(**columns)
 
 
+def latest(batches: Sequence[Experience], most: int) -> Sequence[Experience]:
+    """Return the latest batches with at most so many transitions together, at least one of them."""
+    n, total = 0, 0
+    for batch in reversed(batches):
+        total += len(batch)
+        if n and total > most:
+            break
+        n += 1
+    return batches[len(batches) - n :]
+
+
 COLUMNS = tuple(field.name for field in fields(Experience))
 """Names of the columns of `Experience`, in order."""
 

@@ -165,6 +165,14 @@ class EpsilonGreedyPolicy:
         return chosen
 
 
+def exploring(value: ActionValues | None, epsilon: float) -> Policy:
+    """Return the policy that is greedy for values but for a probability, or random before there are any."""
+    if value is None:
+        return RandomPolicy()
+    policy = GreedyPolicy(value)
+    return EpsilonGreedyPolicy(policy, epsilon) if epsilon else policy
+
+
 def _uniform(counts: IntArray, rngs: Sequence[np.random.Generator]) -> IntArray:
     """Return a uniform number below each of the counts, (n,)."""
     drawn = [rng.integers(count) for count, rng in zip(counts.tolist(), rngs, strict=True)]

@@ -52,6 +52,9 @@ def test_targets_worked_by_hand() -> None:
     assert found.targets(values, 1.0).tolist() == [0.5 + 0.25 * 0.0, 0.0, 0.5 * 3.0]
     assert found.targets(values, 0.0).tolist() == [0.5 + 0.25 * 4.0, 0.0, 1.5]
     assert found.targets(values, 0.5).tolist() == [0.5 + 0.25 * 2.0, 0.0, 1.5]
+    # Action 4 is best in state 1, action 8 in state 4; others say what they are worth.
+    judged = np.arange(10.0)
+    assert found.targets(values, 0.0, judged).tolist() == [0.5 + 0.25 * 4.0, 0.0, 0.5 * 8.0]
     values[3] = 5.0  # now it is not
     assert found.targets(values, 1.0).tolist() == [0.5 + 0.25 * 5.0, 0.0, 1.5]
 

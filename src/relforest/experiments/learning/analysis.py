@@ -13,7 +13,7 @@ from scipy import stats
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.learning import settings
-from relforest.experiments.learning.run import compute, learned
+from relforest.experiments.learning.run import compute, learned, unavailable
 from relforest.experiments.learning.settings import LearningSetting
 from relforest.experiments.registry import question_of
 from relforest.experiments.sheets import Entry, Sheet, Span
@@ -114,6 +114,12 @@ def _claims(task: str, table: Table) -> Iterator[Claim]:
     if task in settings.LEAST and len(own := found(task, ours, settings.LEAST[task][0])):
         episodes, goal = settings.LEAST[task]
         yield Claim(f"{ours}: least reward of a run after {episodes} episodes", float(own.min()), low=goal)
+    for episodes in settings.GOALS[task]:
+        both = found(task, ours, episodes), found(task, settings.LINEAR, episodes)
+        if min(map(len, both)) > 1:
+            p = float(stats.ttest_ind(*both, equal_var=False, alternative="greater").pvalue)
+            name = f"{ours}: p of no more reward than {settings.LINEAR} after {episodes} episodes"
+            yield Claim(name, p, high=0.05)
     end = 1000
     level = found(task, hand, 0)
     if len(own := found(task, ours, end)) and len(level):
@@ -148,6 +154,7 @@ def _study(name: str, task: str) -> Study[LearningSetting]:
         partial(summarize, task),
         partial(figures, task),
         choices={"methods": lambda setting: setting.condition},
+        unavailable=unavailable,
         learned=learned,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
@@ -9,9 +10,10 @@ import numpy as np
 from relforest.experiments.blocks.episodes import play
 from relforest.experiments.learned_policies import AgentPolicy, learned_policy
 from relforest.experiments.learning.settings import BUDGETS, KEEPAWAY, LARGER, LEARNERS, OURS, LearningSetting
+from relforest.experiments.methods import METHODS
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import RunInFolder
-from relforest.experiments.study import Context
+from relforest.experiments.study import Context, Unavailable
 from relforest.experiments.table import Row
 from relforest.experiments.tasks import task_named
 from relforest.rl.rollout import rollout
@@ -44,6 +46,17 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
     )
     folder = context.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
     return RunInFolder(config, setting.run, folder)
+
+
+def unavailable(settings: Sequence[LearningSetting]) -> Mapping[LearningSetting, Unavailable]:
+    """Return the settings whose learner needs a package that is not installed."""
+    found = {}
+    for setting in settings:
+        method = METHODS[LEARNERS[setting.condition].method] if setting.episodes else None
+        if method is not None and method.is_missing:
+            reason = f"{method.needs} is not installed: install the extra 'relforest[bench]'."
+            found[setting] = Unavailable(setting.condition, reason)
+    return found
 
 
 def compute(setting: LearningSetting, context: Context) -> list[Row]:

@@ -68,11 +68,18 @@ LEARNERS: Final[Mapping[str, LearnerChoice]] = {
     "smrf-rpi-500": LearnerChoice("smrf-rpi"),
     "smrf-rpi-50-discount-.99": LearnerChoice("smrf-rpi", 0.99),
     "smrf-rpi-500-discount-.99": LearnerChoice("smrf-rpi", 0.99),
+    "linear-q": LearnerChoice("linear-q"),
+    "lspi": LearnerChoice("lspi"),
+    "trees-q": LearnerChoice("trees-q"),
+    "boosting-q": LearnerChoice("boosting-q"),
+    "dqn": LearnerChoice("dqn"),
+    "deep-sets-q": LearnerChoice("deep-sets-q"),
 }
 """Condition -> what learns; the order gives each condition its seed."""
 
 OURS: Final = "smrf-q"
 SARSA: Final = "cmac-sarsa"
+LINEAR: Final = "linear-q"
 LARGER: Final = ("keepaway-4v3", "keepaway-5v4", "keepaway-6v5")
 HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLORS: "manual"}
 """Task -> the policy to beat."""
@@ -114,6 +121,13 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
             for discount in ("", "-discount-.99")
             for setting in _runs(KEEPAWAY, f"smrf-rpi-{size}{discount}", size, count, runs=5)
         ),
+        *(
+            setting
+            for name in (LINEAR, "lspi", "trees-q", "boosting-q")
+            for setting in _runs(KEEPAWAY, name, _BATCH, 10)
+        ),
+        *_runs(KEEPAWAY, "dqn", _BATCH, 10, runs=5),
+        *_runs(KEEPAWAY, "deep-sets-q", _BATCH, 10, runs=5),
     ),
     TOWERS: (*_hand_made(TOWERS, "large-first", "random"), *_runs(TOWERS, OURS, _BATCH, 10, tests=_FEWER)),
     COLORS: (*_hand_made(COLORS, "manual", "random"), *_runs(COLORS, OURS, _BATCH, 5, tests=_FEWER)),

@@ -27,7 +27,6 @@ from relforest.rl.fitted.questions import (
     measured,
     spokesmen,
 )
-from relforest.rl.fitted.returns import returns
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
 from relforest.scenes import Schema
@@ -297,9 +296,7 @@ class _Fit:
         """
         evidence, system = self.evidence, _System.of(self, settings.ridge)
         if sweeps == 0:
-            earned = np.empty(len(evidence.taken))
-            nothing = np.zeros(len(evidence.taken))
-            returns(evidence.rewards, evidence.discounts, nothing, evidence.follows, 1.0, earned)
+            earned = evidence.earned()
             return system.solve(self, earned), earned
         fit, before = self, None
         for _ in range(sweeps):

@@ -11,6 +11,7 @@ import numpy as np
 from relforest.rl.experience import BoolArray, Experience, concatenate
 from relforest.rl.fitted.returns import returns
 from relforest.rl.fitted.view import View
+from relforest.rl.kernels import segment_argmax
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.errors import InputError
@@ -143,11 +144,25 @@ class Evidence:
         offers = np.diff(self.starts)
         return np.bincount(self.owner, weights=values, minlength=len(offers)) / np.maximum(offers, 1)
 
-    def targets(self, values: FloatArray, trace: float) -> FloatArray:
-        """Return the lambda-returns (n,) of the policy that is greedy for values (c,) of all candidates."""
+    def earned(self) -> FloatArray:
+        """Return what followed each action under the policy of the experience, (n,)."""
+        out, nothing = np.empty(len(self.taken)), np.zeros(len(self.taken))
+        returns(self.rewards, self.discounts, nothing, self.follows, 1.0, out)
+        return out
+
+    def targets(self, values: FloatArray, trace: float, judged: FloatArray | None = None) -> FloatArray:
+        """Return the lambda-returns (n,) of the policy that is greedy for values (c,) of all candidates.
+
+        Other values, `judged` (c,), may say what its actions are worth: then chance does not favor those
+        whose value is too high (van Hasselt, Double Q-learning, 2010).
+        """
         best = self.best(values)
         is_greedy = values[self.taken] >= best[self.states]
         goes_on = self.follows & np.append(is_greedy[1:], np.False_)
+        if judged is not None:
+            greedy = np.empty(len(best), dtype=np.int64)
+            segment_argmax(values, self.starts, greedy)
+            best = np.where(greedy >= 0, judged[greedy], 0.0)
         out = np.empty(len(self.taken))
         returns(self.rewards, self.discounts, best[self.next_states], goes_on, trace, out)
         return out

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Final, final
 import numpy as np
 
 from relforest.rl.configuration import check_world, describe_run
-from relforest.rl.experience import Experience, concatenate
+from relforest.rl.experience import Experience, concatenate, latest
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.fitted.additive import Sum, improved
 from relforest.rl.fitted.evidence import Evidence
@@ -30,7 +30,7 @@ from relforest.rl.fitted.policy_json import (
 from relforest.rl.fitted.settings import QSettings, Source
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
-from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
+from relforest.rl.policy import exploring
 from relforest.rl.policy_json import POLICY
 from relforest.rl.rollout import Environment, rollout, tested, world_of
 from relforest.runs.learner import Row, Snapshot
@@ -115,7 +115,7 @@ class QLearner:
         gained: tuple[Experience, ...] = ()
         for place, size in enumerate(portions(n_before, self.episodes, self.settings)):
             with part("training"):
-                policy, portion = _policy(value, self.settings.epsilon), stream(seed, _TRAINING, place)
+                policy, portion = exploring(value, self.settings.epsilon), stream(seed, _TRAINING, place)
                 gained = (*gained, rollout(self.env, policy, size, portion))
             with part("learning"):
                 rng = generator(stream(seed, _LEARNING, place))
@@ -133,8 +133,8 @@ class QLearner:
         world, settings = world_of(self.env), self.settings
         view = before.view if before else View.of(world.schema, batches[0].matrix, settings.max_values)
         schemas = view.schemas(world.action_types)
-        latest = _latest(batches, settings.max_samples)
-        evidence = Evidence.of(latest, view, schemas, world.discount, self.n_jobs)
+        recent = latest(batches, settings.max_samples)
+        evidence = Evidence.of(recent, view, schemas, world.discount, self.n_jobs)
         known, first = (None if each is None else each.learned for each in (before, start))
         if (evidence.remaining != NO_LIMIT).any():
             offered = first if isinstance(first, Horizon) else None
@@ -154,7 +154,7 @@ class QLearner:
             stream(self.seed, number, _TESTING),
             (0, 0) if state.value is None else state.value.learned.size,
         )
-        return tested(self.env, _policy(state.value, 0.0), self.test_episodes, seed, state.batches, size)
+        return tested(self.env, exploring(state.value, 0.0), self.test_episodes, seed, state.batches, size)
 
     def to_plain(self, state: QKnowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its forests and the experience as files."""
@@ -221,21 +221,3 @@ def portions(n_before: int, episodes: int, settings: QSettings) -> Iterator[int]
         size = episodes if 2 * episodes < 3 * size else size
         yield size
         n_before, episodes = n_before + size, episodes - size
-
-
-def _policy(value: QValue | None, epsilon: float) -> Policy:
-    if value is None:
-        return RandomPolicy()
-    policy = GreedyPolicy(value)
-    return EpsilonGreedyPolicy(policy, epsilon) if epsilon else policy
-
-
-def _latest(batches: tuple[Experience, ...], most: int) -> tuple[Experience, ...]:
-    """Return the latest batches with at most so many transitions together, at least one of them."""
-    n, total = 0, 0
-    for batch in reversed(batches):
-        total += len(batch)
-        if n and total > most:
-            break
-        n += 1
-    return batches[len(batches) - n :]
