@@ -155,7 +155,7 @@ def test_what_cannot_be_explained_is_named(run: CommandLine, tmp_path: Path) -> 
         (("keepaway", "--questions", "3"), "--questions is for what was learned"),
         (
             ("keepaway", "--explain", "--policy", tmp_path / "sarsa"),
-            "was learned by Sarsa, whose values cannot",
+            "learned has no parts that could be told",
         ),
         (
             ("corridor", "--questions", "-1", "--policy", tmp_path / "q"),
