@@ -46,8 +46,8 @@ class _Judged(NamedTuple):
 class OutcomeForestClassifier(SceneClassifier):
     """Whether an action succeeds: forests, weighed by a linear support vector machine.
 
-    Probabilities are calibrated on scenes that were left out, and the second class is predicted from its share
-    on: `predict` aims at the Peirce skill score, for which both classes count alike however rare one is.
+    Probabilities are calibrated on scenes that were left out, and the second class is predicted from its
+    share on: `predict` aims at the Peirce skill score, for which both count alike however rare one is.
 
     Parameters
     ----------

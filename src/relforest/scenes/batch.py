@@ -400,8 +400,8 @@ class Scenes:
         """Return the scenes with a last argument, ``"mean object"``: the mean of the other objects.
 
         Each of its attributes is the mean of theirs, the action's arguments left out; it is undefined where
-        none is defined, and for categories. What depends on a sum over objects, such as to which side a scale tips, is then a relation to one
-        object.
+        none is defined, and for categories. What depends on a sum over objects, such as to which side a scale
+        tips, is then a relation to one object.
         """
         return Scenes(*with_mean_object(self.parts))
 
