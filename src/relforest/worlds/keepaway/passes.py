@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 MOST_SCENES: Final = 100_000
 """Scenes in one call."""
 
-# Games side by side, and passes played for each that is kept: with few passes of each game among many, most
-# scenes are of different episodes, and not all are early in one.
+# Games side by side, decisions before the first one that counts, and passes played for each that is kept. Without
+# the first decisions, too many passes would be early in an episode, where they succeed.
 _GAMES: Final = 64
+_SKIPPED: Final = 40
 _PLAYED: Final = 3
 
 
@@ -63,11 +64,12 @@ def keepaway_pass_scenes(
     batch = Batch(setup, _GAMES)
     batch.begin([seed_sequence(rng) for _ in range(_GAMES)])
     objects, arguments, labels = [], [], []
-    played = 0
+    played = decided = 0
     while played < _PLAYED * n:
         again = batch.ends != PLAYING
         actions = np.where(again, RESTART, rng.integers(setup.keepers, size=_GAMES))
-        passing = np.flatnonzero(actions > 0)
+        decided += 1
+        passing = np.flatnonzero((actions > 0) & (decided > _SKIPPED))
         objects.append(batch.seen.objects[passing])
         receivers = batch.seen.receivers[passing, actions[passing] - 1]
         arguments.append(np.column_stack([batch.seen.actors[passing], receivers]))
