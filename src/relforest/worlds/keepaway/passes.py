@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 MOST_SCENES: Final = 100_000
 """Scenes in one call."""
 
-# Games side by side, decisions before the first one that counts, and passes played for each that is kept. Without
-# the first decisions, too many passes would be early in an episode, where they succeed.
+# Games side by side, decisions before the first one that counts, and passes played for each that is kept.
+# With the first decisions, too many passes would be early in an episode, where they succeed.
 _GAMES: Final = 64
 _SKIPPED: Final = 40
 _PLAYED: Final = 3
