@@ -24,6 +24,9 @@ COSTS: Final = tuple(10.0**power for power in range(-4, 4))
 FOLDS: Final = 10
 """Parts of the scenes, each judged by what the others teach. Every class needs as many scenes."""
 
+# Columns that deviate less are constant but for rounding.
+_CONSTANT: Final = 1e-9
+
 # Close to no penalty: calibration has two parameters.
 _FREE: Final = 1e6
 
@@ -68,7 +71,7 @@ def weighed(
     Palmer (2015), section 5.2.3 and 5.3.
     """
     scales = columns.std(axis=0)
-    scales[scales == 0.0] = 1.0
+    scales[scales < _CONSTANT] = 1.0
     scaled = columns / scales
     balanced = (
         weights / np.where(positive, weights[positive].sum(), weights[~positive].sum()) * len(weights) / 2

@@ -105,6 +105,10 @@ def opinions_of_conditions(
         for ensemble in group:
             trees += ensemble.trees
             shares.append(np.outer(ensemble.weights / len(group), np.arange(2) == column))
+    for column, group in enumerate(groups):
+        if all(len(tree.leaves) == 1 for ensemble in group for tree in ensemble.trees):
+            # Without questions, trees know only of which scenes they were deprived.
+            columns[:, column] = columns[:, column].mean()
     starts = np.array([np.mean([ensemble.start[0] for ensemble in group]) for group in groups])
     n_sampled = max(model.n_sampled_ for model in [*boosted, forest])
     return Opinions(tuple(trees), np.concatenate(shares), starts, columns, n_sampled, 0)

@@ -10,6 +10,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests.base import SceneClassifier, settings_or
 from relforest.forests.ensemble import Ensemble
+from relforest.forests.forest import ForestSettings
 from relforest.forests.forest_estimators import SMRFForestClassifier
 from relforest.forests.labels import class_targets
 from relforest.forests.linear_machine import FOLDS, Weighing, weighed
@@ -133,6 +134,8 @@ class OutcomeForestClassifier(SceneClassifier):
             If labels or weights do not match the scenes, there are other than two classes or fewer than ten
             scenes of one, or a parameter is out of range.
         """
+        seed = seed_sequence(self.random_state)
+        ForestSettings(self.n_trees, self.max_samples, self._growth)
         targets = class_targets(y, len(checked_scenes(scenes)), sample_weight, self.class_weight)
         if len(targets.classes) != 2:
             raise InputError(
@@ -148,7 +151,7 @@ class OutcomeForestClassifier(SceneClassifier):
                 )
         known = Labelled(scenes.take(counted), positive, targets.weights[counted])
         with printed_to_stderr(self.verbose):
-            judged = self._judged(known, seed_sequence(self.random_state))
+            judged = self._judged(known, seed)
         found, machine = judged.opinions, judged.machine
         start = machine.start + float(found.starts @ machine.weights)
         self.ensemble_ = Ensemble(
@@ -167,6 +170,18 @@ class OutcomeForestClassifier(SceneClassifier):
             (self.predict_proba(scenes)[:, 1] >= self.threshold_).astype(np.int64)
         ]
         return predicted
+
+    @property
+    def _growth(self) -> GrowthSettings:
+        """What trees of conditions grow by.
+
+        Raises
+        ------
+        InputError
+            If something else was given.
+        """
+        given = None if isinstance(self.growth, TreeSettings) else self.growth
+        return settings_or("growth", given, OUTCOME_GROWTH)
 
     def _judged(self, known: Labelled, seed: np.random.SeedSequence) -> _Judged:
         """Learn with or without a mean object, or both, and return the better one."""
@@ -193,9 +208,8 @@ class OutcomeForestClassifier(SceneClassifier):
             )
             found = opinions_of_smrf_trees(known, forest)
         else:
-            growth = settings_or("growth", self.growth, OUTCOME_GROWTH)
             found = opinions_of_conditions(
-                known, self.n_trees, self.max_samples, growth, stream(seed, _TREES), self.n_jobs
+                known, self.n_trees, self.max_samples, self._growth, stream(seed, _TREES), self.n_jobs
             )
         rng = generator(stream(seed, _MACHINE))
         return _Judged(known, found, weighed(found.columns, known.positive, known.weights, rng))
