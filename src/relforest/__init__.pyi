@@ -17,6 +17,7 @@ from . import (
     worlds,
 )
 from .forests import (
+    OutcomeForestClassifier,
     SMRFBoostingClassifier,
     SMRFBoostingRegressor,
     SMRFForestClassifier,
@@ -38,6 +39,7 @@ __all__ = [
     "SMRFRPI",
     "Attribute",
     "CovAggClassifier",
+    "OutcomeForestClassifier",
     "SMRFBoostingClassifier",
     "SMRFBoostingRegressor",
     "SMRFForestClassifier",

@@ -13,7 +13,12 @@ from pyarrow import parquet
 from cli.command_lines import COLUMNS, N_SCENES, CommandLine, passes, write
 from relforest.models import read_model
 
-SMALL = {"boosting": ("--trees", "30"), "forest": ("--trees", "5"), "rules": ("--trees", "5")}
+SMALL = {
+    "boosting": ("--trees", "30"),
+    "forest": ("--trees", "5"),
+    "rules": ("--trees", "5"),
+    "outcome": ("--trees", "10"),
+}
 
 
 @pytest.mark.parametrize("family", SMALL)

@@ -16,6 +16,7 @@ from forest_scenes import TEAM
 from forests.team_scenes import SCHEMA, guest_on_the_left, nearest, scenes_of
 from interpreted import INTERPRETED, compiled_only
 from relforest import (
+    OutcomeForestClassifier,
     SMRFBoostingClassifier,
     SMRFBoostingRegressor,
     SMRFForestClassifier,
@@ -34,6 +35,8 @@ CLASSIFIERS: tuple[SceneEstimator, ...] = (
     SMRFBoostingClassifier(n_trees=2 * FEW, learning_rate=0.2, random_state=0),
     SMRFForestClassifier(n_trees=FEW, random_state=0),
     SMRFRuleSetClassifier(n_trees=FEW, rules=RuleSetSettings(n_steps=100 * FEW), random_state=0),
+    # It needs ten scenes of each class, more than there is time for without compilation.
+    *(() if INTERPRETED else (OutcomeForestClassifier(n_trees=FEW, random_state=0),)),
 )
 REGRESSORS: tuple[SceneEstimator, ...] = (
     SMRFBoostingRegressor(n_trees=FEW, random_state=0),

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from relforest.scenes.scene_stream import SceneColumns
 
 _OF_TREES: Final = ("test", "search", "alpha", "attempts", "permutations", "max_points")
-_MODELS: Final = ("tree", "boosting", "forest", "smrf-forest", "rules")
+_MODELS: Final = ("tree", "boosting", "forest", "smrf-forest", "rules", "outcome")
 # Options of some models only, and these models.
 _OPTIONS: Final = dict.fromkeys(_OF_TREES, ("tree", "smrf-forest")) | {
     "trees": _MODELS[1:],
-    "objects": ("boosting", "forest", "rules"),
+    "objects": ("boosting", "forest", "rules", "outcome"),
 }
 _REMEDY: Final = "name its columns, such as --scene pass --object player --attribute location=x,y"
 
@@ -62,8 +62,10 @@ class FitOptions:
     model
         What to learn: a tree with tests of significance; boosting, a sum of small trees, the most accurate
         on hundreds of scenes; a forest, the mean of larger trees; a forest of trees with tests of
-        significance (smrf-forest), half of them for the other one of two classes; or rules, of which one must
-        hold, for two classes: the shortest description, and the most accurate on a few dozen scenes.
+        significance (smrf-forest), half of them for the other one of two classes; rules, of which one must
+        hold, for two classes: the shortest description, and the most accurate on a few dozen scenes; or
+        outcome, for two classes: boosting and a forest, weighed such that both classes count alike however
+        rare one is, also among more objects.
     positive
         The one of two labels that the model explains, written as in the table; for example False to find the
         causes of failures.
@@ -88,7 +90,8 @@ class FitOptions:
     encoding
         Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
     trees
-        Trees of boosting or a forest (100 by default), or of the boosted model that proposes rules (200).
+        Trees of boosting or a forest (100 by default), of the boosted model that proposes rules (200), or of
+        each model that is weighed for an outcome (100).
     objects
         Most objects that a question of these models asks for besides the arguments: 0, 1 or 2. The default is
         1 for scenes with arguments, 2 for others.
@@ -128,7 +131,7 @@ class FitOptions:
     encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
     target: Literal["auto", "classes", "numbers"] = "auto"
     positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
-    model: Literal["tree", "boosting", "forest", "smrf-forest", "rules"] = "tree"
+    model: Literal["tree", "boosting", "forest", "smrf-forest", "rules", "outcome"] = "tree"
     trees: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     objects: Annotated[int | None, arg(metavar="N", help_behavior_hint="")] = None
     test: Literal["likelihood-ratio", "permutation"] = "likelihood-ratio"
@@ -179,6 +182,7 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
     import relforest
     from relforest.forests import GrowthSettings
     from relforest.forests.forest_estimators import FOREST_GROWTH
+    from relforest.forests.outcome_estimator import OUTCOME_GROWTH
     from relforest.forests.rule_set_estimator import RULE_GROWTH
     from relforest.trees import TreeSettings
 
@@ -187,23 +191,34 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
         if options.model not in models and getattr(options, field.name) != field.default:
             name = field.name.replace("_", "-")
             raise InputError(f"--{name} is an option of --model {', '.join(models)}, not of {options.model}")
-    if options.model == "rules" and (data.classes is None or len(data.classes) > 2):
+    if options.model in {"rules", "outcome"} and (data.classes is None or len(data.classes) > 2):
         found = "numbers" if data.classes is None else f"{len(data.classes)} classes"
         raise InputError(
-            f"--model rules is for two classes, but column {data.label!r} holds {found}: use --model boosting"
+            f"--model {options.model} is for two classes, but column {data.label!r} holds {found}: "
+            "use --model boosting"
         )
     chosen: dict[str, Any] = {name: getattr(options, name) for name in _OF_TREES}
     if options.model != "tree":
-        conditions = {"boosting": GrowthSettings(), "forest": FOREST_GROWTH, "rules": RULE_GROWTH}
+        conditions = {
+            "boosting": GrowthSettings(),
+            "forest": FOREST_GROWTH,
+            "rules": RULE_GROWTH,
+            "outcome": OUTCOME_GROWTH,
+        }
         if options.model == "smrf-forest":
             chosen = {"growth": TreeSettings(**chosen)}
         else:
             chosen = {"growth": replace(conditions[options.model], max_free=options.objects)}
         if options.trees is not None:
             chosen["n_trees"] = options.trees
-    names = {"tree": "Tree", "boosting": "Boosting", "rules": "RuleSet"}
+    names = {
+        "tree": "SMRFTree",
+        "boosting": "SMRFBoosting",
+        "rules": "SMRFRuleSet",
+        "outcome": "OutcomeForest",
+    }
     task = "Regressor" if data.classes is None else "Classifier"
-    learner: SceneLearner = getattr(relforest, f"SMRF{names.get(options.model, 'Forest')}{task}")(
+    learner: SceneLearner = getattr(relforest, f"{names.get(options.model, 'SMRFForest')}{task}")(
         **chosen, random_state=options.seed, n_jobs=options.jobs
     )
     return learner

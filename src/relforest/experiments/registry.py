@@ -19,6 +19,7 @@ _PACKAGES: Final = (
     "keepaway",
     "blocks",
     "resume",
+    "outcomes",
 )
 _LEARNING: Final[ReadOnly[str, tuple[str, str]]] = {
     "keepaway-learning": (

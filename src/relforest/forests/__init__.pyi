@@ -3,6 +3,7 @@ from .conditions import Condition
 from .ensemble import Ensemble
 from .explanations import Importance, Reason, ScoreExplanation
 from .forest_estimators import SMRFForestClassifier, SMRFForestRegressor
+from .outcome_estimator import OutcomeForestClassifier
 from .rule_set_estimator import SMRFRuleSetClassifier
 from .rule_sets import RuleSetSettings
 from .scene_features import SceneFeatures
@@ -14,6 +15,7 @@ __all__ = [
     "Ensemble",
     "GrowthSettings",
     "Importance",
+    "OutcomeForestClassifier",
     "Reason",
     "RuleSetSettings",
     "SMRFBoostingClassifier",

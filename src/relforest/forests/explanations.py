@@ -95,6 +95,7 @@ def explain_scores(
 ) -> list[ScoreExplanation]:
     """Return the `most` strongest reasons for one output of every scene (n_scenes,)."""
     means = [node_means(tree) for tree in ensemble.trees]
+    scenes = scenes.recoded(ensemble.schema)
     scores = ensemble.scores(scenes)
     return [
         ScoreExplanation(

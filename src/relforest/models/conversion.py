@@ -7,6 +7,7 @@ from typing import Final, cast
 from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests import (
+    OutcomeForestClassifier,
     SMRFBoostingClassifier,
     SMRFBoostingRegressor,
     SMRFForestClassifier,
@@ -16,6 +17,7 @@ from relforest.forests import (
 from relforest.models.model import Family, Label, Model
 from relforest.models.training_data import TrainingData
 from relforest.reports import QuestionPoints, question_points
+from relforest.scenes.mean_object import without_mean
 from relforest.support.errors import InputError
 from relforest.trees import SMRFTreeClassifier, SMRFTreeRegressor
 
@@ -27,6 +29,7 @@ SceneLearner = (
     | SMRFBoostingClassifier
     | SMRFBoostingRegressor
     | SMRFRuleSetClassifier
+    | OutcomeForestClassifier
 )
 
 _TREES: Final = (SMRFTreeClassifier, SMRFTreeRegressor)
@@ -36,6 +39,7 @@ _FAMILIES: Final[dict[type[object], Family]] = {
     SMRFBoostingClassifier: "boosting",
     SMRFBoostingRegressor: "boosting",
     SMRFRuleSetClassifier: "rules",
+    OutcomeForestClassifier: "outcome",
 }
 
 
@@ -65,14 +69,15 @@ def as_model(estimator: SceneLearner, data: TrainingData | None = None) -> Model
     learned = estimator.tree_ if isinstance(estimator, _TREES) else estimator.ensemble_
     family = "tree" if isinstance(estimator, _TREES) else _FAMILIES[type(estimator)]
     found = None if not hasattr(estimator, "classes_") else tuple(map(_label, estimator.classes_.tolist()))
+    threshold = getattr(estimator, "threshold_", 0.5)
     if data is None:
-        return Model(learned, family, "", found, None)
-    if data.scenes.schema != learned.schema or (data.classes is None) != (found is None):
+        return Model(learned, family, "", found, None, threshold=threshold)
+    if data.scenes.schema != without_mean(learned.schema) or (data.classes is None) != (found is None):
         raise InputError("the estimator was fitted to other data: fit it to data.scenes and data.y")
     points: dict[int, QuestionPoints] = {}
     if isinstance(estimator, _TREES) and data.classes is not None and len(data.classes) == 2:
         points = question_points(estimator.tree_, data.scenes, data.y == 1)
-    return Model(learned, family, data.label, data.classes, data.columns, points)
+    return Model(learned, family, data.label, data.classes, data.columns, points, threshold)
 
 
 def _label(value: object) -> Label:

@@ -18,17 +18,20 @@ from relforest.reports import QuestionPoints
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.dialect import ANY_DIALECT, Dialect
 from relforest.scenes.frames import FrameLayout
+from relforest.scenes.mean_object import without_mean
 from relforest.scenes.parquet_source import ParquetSource
 from relforest.scenes.scene_stream import SceneStream
 from relforest.scenes.scene_table import check_schema, open_scenes, read_scenes
 from relforest.support.errors import InputError
+from relforest.support.options import in_range
 from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.trees.nodes import variable_name
 from relforest.trees.text import describe
 
 Label = bool | int | str
-Family = Literal["tree", "forest", "boosting", "rules"]
+Family = Literal["tree", "forest", "boosting", "rules", "outcome"]
 
+_OF_SMRF_TREES: Final = ("forest", "outcome")
 _REMEDY: Final = "the model does not name the columns of its scenes, so use a file that was"
 
 
@@ -40,7 +43,7 @@ class Predictions:
     Parameters
     ----------
     predicted : (n_scenes,) array
-        The most probable class (the positive one of two at even odds), or float64 numbers.
+        The most probable class (of two the positive one from the threshold on), or float64 numbers.
     probability : (n_scenes, n_classes) float64 or None
         Of each class; None for numbers.
     leaf : (n_scenes,) int64 or None
@@ -63,7 +66,7 @@ class Model:
     Parameters
     ----------
     learned : Tree or Ensemble
-    family : {"tree", "forest", "boosting", "rules"}
+    family : {"tree", "forest", "boosting", "rules", "outcome"}
     label : str
         The column that it predicts; empty if unknown.
     classes : tuple of labels, or None
@@ -72,6 +75,8 @@ class Model:
         Where to find scenes in a table; None if unknown.
     points : mapping of int to QuestionPoints
         Training points of questions, by node index.
+    threshold : float
+        The probability of the second of two classes from which on it is predicted.
 
     Raises
     ------
@@ -91,17 +96,19 @@ class Model:
     classes: tuple[Label, ...] | None
     columns: FrameLayout | None
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
+    threshold: float = 0.5
 
     def __post_init__(self) -> None:
         if (self.family == "tree") != isinstance(self.learned, Tree):
             raise InputError(f"a {type(self.learned).__name__} is no model of the family {self.family!r}")
-        if isinstance(self.learned, Ensemble) and self.learned.is_smrf and self.family != "forest":
+        if isinstance(self.learned, Ensemble) and self.learned.is_smrf and self.family not in _OF_SMRF_TREES:
             raise InputError(f"a model of the family {self.family!r} consists of trees of conditions")
         wanted = None if self.classes is None else len(self.classes)
         if wanted is not None and wanted < 2:
             raise InputError(f"a model needs two classes, got {self.classes!r}")
-        if self.family == "rules" and wanted != 2:
-            raise InputError("rule sets are for two classes")
+        if self.family in {"rules", "outcome"} and wanted != 2:
+            raise InputError(f"a model of the family {self.family!r} is for two classes")
+        in_range("threshold", self.threshold, 0.0, 1.0)
         if isinstance(self.learned, Tree):
             fits = n_classes(self.learned) == wanted
         else:
@@ -112,8 +119,8 @@ class Model:
 
     @property
     def schema(self) -> Schema:
-        """The schema of the scenes that it is for."""
-        return self.learned.schema
+        """The schema of the scenes that it is for, which get a mean object when they are used."""
+        return without_mean(self.learned.schema)
 
     @property
     def tree(self) -> Tree:
@@ -187,12 +194,12 @@ class Model:
         probability = self._shares(values)
         chosen = probability.argmax(axis=1)
         if len(self.classes) == 2:
-            chosen = (probability[:, 1] >= 0.5).astype(np.int64)
+            chosen = (probability[:, 1] >= self.threshold).astype(np.int64)
         return Predictions(np.array(self.classes, dtype=object)[chosen], probability, leaf, witnesses)
 
     def _shares(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the probabilities of classes (n, n_classes) for what the trees say (n, n_outputs)."""
-        if self.family in {"boosting", "rules"}:
+        if self.family in {"boosting", "rules", "outcome"}:
             return logistic_shares(values)
         # The leaves of a single tree hold shares already.
         return values if self.family == "tree" and values.shape[1] > 1 else mean_shares(values)

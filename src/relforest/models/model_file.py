@@ -2,8 +2,8 @@
 
 A model file is a JSON document of format ``relforest-model``: the label and its classes (null for numbers),
 the columns that the scenes were read from, and either the tree as written by `Tree.to_dict` with a sample of
-the training points of each question, for pictures, or an ensemble as written by `Ensemble.to_dict` and the
-family of the model.
+the training points of each question, for pictures, or an ensemble as written by `Ensemble.to_dict`, the
+family of the model and, for outcomes, the threshold of its probabilities.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from relforest.models.model import Family, Label, Model, n_classes
 from relforest.reports import QuestionPoints
 from relforest.scenes import Schema
 from relforest.scenes.frames import FrameLayout, frame_layout
+from relforest.scenes.mean_object import without_mean
 from relforest.support.documents import check_values, well_formed
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import read_json, write_json
-from relforest.support.options import one_of
+from relforest.support.options import in_range, one_of
 from relforest.trees import Question, Tree
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
@@ -35,7 +36,7 @@ VERSION: Final = 2
 MOST_POINTS: Final = 150
 """Largest number of points per class stored for a question."""
 
-_ENSEMBLES: Final = ("forest", "boosting", "rules")
+_ENSEMBLES: Final = ("forest", "boosting", "rules", "outcome")
 
 
 def check_names(label: str, classes: Sequence[Label] | None, columns: FrameLayout, origin: str) -> None:
@@ -56,7 +57,8 @@ def write_model(path: Path, model: Model) -> None:
     """Write a model file atomically."""
     document = _header(model.label, model.classes, model.columns)
     if isinstance(model.learned, Ensemble):
-        write_json(path, document | {"kind": model.family, "ensemble": model.learned.to_dict()})
+        document |= {"kind": model.family, "ensemble": model.learned.to_dict()}
+        write_json(path, document | ({"threshold": model.threshold} if model.family == "outcome" else {}))
         return
     points = [
         _points_to_dict(index, node, model.points[index])
@@ -91,7 +93,10 @@ def model_of(document: dict[str, Any], path: Path) -> Model:
         with sound:
             ensemble = Ensemble.from_dict(document["ensemble"])
             family = cast("Family", one_of("kind", document["kind"], _ENSEMBLES))
-            return Model(ensemble, family, *_how_to_apply(document, ensemble.schema))
+            threshold = in_range("threshold", document.get("threshold", 0.5), 0.0, 1.0)
+            return Model(
+                ensemble, family, *_how_to_apply(document, without_mean(ensemble.schema)), threshold=threshold
+            )
     tree = _tree(path, document.get("tree"))
     with sound:
         points = dict(_points(entry, tree) for entry in document["points"])

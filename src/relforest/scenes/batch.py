@@ -15,6 +15,7 @@ from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, check_arr
 from relforest.scenes.derived import add_attribute
 from relforest.scenes.frames import AttributeColumns, arrays_from_frame, frame_layout, named_columns
 from relforest.scenes.ids import IdArray
+from relforest.scenes.mean_object import needs_mean, with_mean_object
 from relforest.scenes.padded import arrays_from_padded
 from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
 from relforest.scenes.parquet_source import open_parquet
@@ -385,12 +386,24 @@ class Scenes:
     def recoded(self, schema: Schema) -> Scenes:
         """Return the same scenes with the categories of another schema, that of a model.
 
+        If the schema has a mean object, see `with_mean_object`, the scenes get theirs.
+
         Raises
         ------
         InputError
             If the schemas differ in more than categories, or an object has a category that the other lacks.
         """
-        return self if self.schema == schema else Scenes(*recoded(self.parts, schema))
+        scenes = self.with_mean_object() if needs_mean(self.schema, schema) else self
+        return scenes if scenes.schema == schema else Scenes(*recoded(scenes.parts, schema))
+
+    def with_mean_object(self) -> Scenes:
+        """Return the scenes with a last argument, ``"mean object"``: the mean of the other objects.
+
+        Each of its attributes is the mean of theirs, the action's arguments left out; it is undefined where
+        none is defined, and for categories. What depends on a sum over objects, such as to which side a scale
+        tips, is then a relation to one object.
+        """
+        return Scenes(*with_mean_object(self.parts))
 
     def __eq__(self, other: object) -> bool:
         """Return whether both batches have the same scenes in the same layout; undefined values are equal."""

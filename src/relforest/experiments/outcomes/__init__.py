@@ -1,0 +1,6 @@
+"""Do forests predict whether an action succeeds, here and among more objects?
+
+`settings` holds the tasks, `scenes` draws and publishes their scenes, `rivals` the other learners, `run`
+learns and tests, `protocol` repeats the source's experiment, `analysis` turns the table into findings and
+figures. The command and the result are in ``README.md``.
+"""

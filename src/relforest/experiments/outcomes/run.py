@@ -1,0 +1,104 @@
+"""A task and a draw of its scenes -> how well every model predicts outcomes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from time import process_time
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logit
+from scipy.stats import norm
+from sklearn.metrics import roc_auc_score, roc_curve
+
+from relforest.experiments.outcomes.protocol import repeated
+from relforest.experiments.outcomes.rivals import LEARNERS, Learner, Scores
+from relforest.experiments.outcomes.scenes import TESTING, TRAINING, Labelled, drawn
+from relforest.experiments.outcomes.settings import OURS, SIZES, SMRF, OutcomeSetting
+from relforest.experiments.study import Context
+from relforest.experiments.table import Row
+from relforest.forests import OutcomeForestClassifier
+from relforest.metrics import peirce_skill_score
+from relforest.support.progress import part
+from relforest.trees import TreeSettings
+
+
+def compute(setting: OutcomeSetting, context: Context) -> list[Row]:
+    """Return rows of part, task, draw, trained, tested, method, measure, value.
+
+    The scenes trained and tested on are ``small`` or ``large``.
+
+    References
+    ----------
+    Palmer (2015), section 5.3.
+    """
+    sets = {
+        (size, which): drawn(setting, context, size, which) for size in SIZES for which in (TRAINING, TESTING)
+    }
+    is_protocol = setting.part == "protocol"
+    rows = repeated(setting, sets, context.stream) if is_protocol else _compared(setting, sets, context)
+    return [{"part": setting.part, "task": setting.task, "draw": setting.draw, **each} for each in rows]
+
+
+def _compared(
+    setting: OutcomeSetting, sets: dict[tuple[str, int], Labelled], context: Context
+) -> Iterator[Row]:
+    learners: dict[str, Learner] = {
+        OURS: outcome_forest,
+        SMRF: lambda known, seed: outcome_forest(known, seed, setting.smrf_trees),
+        **LEARNERS,
+    }
+    seed = int(context.stream.generate_state(1)[0])
+    _compile_kernels(sets[SIZES[0], TRAINING])
+    for trained in SIZES:
+        for method, learner in learners.items():
+            with part(f"{method}, {trained} scenes"):
+                begin = process_time()
+                scores = learner(sets[trained, TRAINING], seed)
+                seconds = process_time() - begin
+                for tested in SIZES:
+                    scenes, labels = sets[tested, TESTING]
+                    for measure, value in measures(labels, scores(scenes)).items():
+                        yield row(trained, tested, method, measure, value)
+            yield row(trained, trained, method, "seconds", seconds)
+
+
+def row(trained: str, tested: str, method: str, measure: str, value: float) -> Row:
+    """Return a row of the table."""
+    return {"trained": trained, "tested": tested, "method": method, "measure": measure, "value": value}
+
+
+def measures(labels: NDArray[np.bool_], scores: NDArray[np.float64]) -> dict[str, float]:
+    """Return the Peirce skill score with the threshold 0, the area under the curve, and the best score.
+
+    The best one is with the threshold that is best for these scenes, so that what the ranking loses is told
+    from what the threshold loses. The last measure is the probability that guesses as often positive score as
+    much, by the normal approximation.
+    """
+    alarms, hits, _ = roc_curve(labels, scores)
+    said = scores >= 0.0
+    skill = peirce_skill_score(labels, said)
+    n_positive, n = np.count_nonzero(labels), len(labels)
+    error = np.sqrt(said.mean() * (1.0 - said.mean()) * (1.0 / n_positive + 1.0 / (n - n_positive)))
+    return {
+        "pss": skill,
+        "auc": float(roc_auc_score(labels, scores)),
+        "best": float((hits - alarms).max()),
+        "log10 p": float(norm.logsf(skill / error) / np.log(10.0)) if error else 0.0,
+    }
+
+
+def outcome_forest(known: Labelled, seed: int, smrf_trees: int = 0) -> Scores:
+    """Learn the library's own model, or the source's forest of SMRF trees."""
+    model = OutcomeForestClassifier(random_state=seed)
+    if smrf_trees:
+        model.set_params(n_trees=smrf_trees, growth=TreeSettings())
+    model.fit(known.scenes, known.labels)
+    return lambda scenes: model.ensemble_.scores(scenes)[:, 0] - logit(model.threshold_)
+
+
+def _compile_kernels(known: Labelled) -> None:
+    """Use all kernels once, so that compilation is not timed."""
+    scenes, labels = known.scenes.take(np.arange(min(200, len(known.labels)))), known.labels[:200]
+    for growth in (None, TreeSettings(attempts=1)):
+        OutcomeForestClassifier(n_trees=2, growth=growth, random_state=0).fit(scenes, labels)

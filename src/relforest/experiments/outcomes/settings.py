@@ -1,0 +1,76 @@
+"""The tasks, and how many scenes and trees there are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal, final
+
+Part = Literal["models", "protocol"]
+
+BALANCE: Final = "balance"
+DROP_ON: Final = "drop-on"
+KEEPAWAY: Final = "keepaway"
+TASKS: Final[Mapping[str, str]] = {
+    BALANCE: "balance scale",
+    DROP_ON: "dropOn",
+    KEEPAWAY: "keepaway pass",
+}
+SMALL: Final = "small"
+LARGE: Final = "large"
+SIZES: Final = (SMALL, LARGE)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class OutcomeSetting:
+    """A task and a draw of its scenes.
+
+    Parameters
+    ----------
+    task : str
+        A key of `TASKS`.
+    draw : int
+        Number of the draw.
+    part : {"models", "protocol"}
+        All models on the same scenes, or the source's experiment with forests of SMRF trees.
+    n_scenes : int
+        Scenes to learn from.
+    n_test : int
+        Scenes of each size to be tested on; in the source's experiment its second set.
+    smrf_trees : int
+        SMRF trees of a forest.
+    repeats : int
+        Draws of trees from the forest, in the source's experiment.
+    """
+
+    task: str
+    draw: int
+    part: Part = "models"
+    n_scenes: int = 500
+    n_test: int = 5000
+    smrf_trees: int = 50
+    repeats: int = 0
+
+    def __str__(self) -> str:
+        """Return part, task and draw."""
+        return f"{self.part}: {TASKS[self.task]}, draw {self.draw}"
+
+
+N_DRAWS: Final = 5
+
+OURS: Final = "outcome forest"
+SMRF: Final = "SMRF trees"
+RIVALS: Final = ("boosting, pooled", "forest, pooled", "SVM, padded")
+
+CURVE: Final = (1, 2, 3, 5, 8, 12, 18, 25)
+"""Trees for either labelling that are drawn, of 50 each; the last is the source's forest."""
+
+SETTINGS: Final = tuple(OutcomeSetting(task, draw) for draw in range(N_DRAWS) for task in TASKS) + tuple(
+    OutcomeSetting(task, 0, "protocol", n_test=500, smrf_trees=100, repeats=20) for task in TASKS
+)
+SMOKE: Final = (
+    OutcomeSetting(BALANCE, 0, n_scenes=40, n_test=60, smrf_trees=2),
+    OutcomeSetting(BALANCE, 1, n_scenes=40, n_test=60, smrf_trees=2),
+    OutcomeSetting(BALANCE, 0, "protocol", n_scenes=40, n_test=60, smrf_trees=4, repeats=2),
+)
