@@ -48,6 +48,15 @@ def said(operation: str, attribute: str, variables: tuple[int, ...], test: Bound
             Near(0, (3.0,), (1.0,)),
             "some object is between 2 and 4 from the passer in weight",
         ),
+        ("distance", "location", (0, 2), Bound(0, "at most", 0.0), "some object is where the passer is"),
+        ("distance", "weight", (0, 2), Bound(0, "at most", 0.0), "some object is like the passer in weight"),
+        (
+            "bearing",
+            "location",
+            (0, 1, 2),
+            Bound(0, "at most", 0.0),
+            "some object is seen from the passer in the direction of the target",
+        ),
         # Ends that no value can pass are not mentioned.
         ("distance", "location", (0, 2), Near(0, (1.0,), (2.0,)), "some object is within 3 of the passer"),
         (

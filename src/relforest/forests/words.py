@@ -120,6 +120,11 @@ def _number(statement: Statement, limits: _Range, others: list[str]) -> str:
     mapping, attribute = statement.mapping, statement.mapping.attribute
     where = _as_to(attribute)
     component = statement.test.component if isinstance(statement.test, (Bound, Near)) else 0
+    if mapping.operation in _POSITIVE and limits.high == 0.0:
+        # Hardly ever true: what counts is how near something comes to it.
+        if mapping.operation == "bearing":
+            return f"is seen from {others[0]} in the direction of {others[1]}" + where
+        return f"is where {others[0]} is" if not where else f"is like {others[0]}" + where
     match mapping.operation:
         case "identity":
             return f"has {_component(attribute, component)} {_limits(limits)}"
