@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
@@ -23,7 +24,8 @@ from relforest.rl.policy import GreedyPolicy
 from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.rl.vectors.learner import VectorValue
 from relforest.runs.store import CHECKPOINT, read_checkpoint
-from relforest.smdp import Decision
+from relforest.scenes.arrays import IntArray
+from relforest.smdp import Decision, Decisions
 from relforest.support.errors import InputError
 from relforest.worlds.keepaway.decisions.variables import n_variables
 from relforest.worlds.keepaway.env import KeepawayEnv
@@ -62,6 +64,10 @@ class AgentPolicy:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
         return GreedyPolicy(self.value).choose(decision, rng)
 
+    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+        """Return the choice for each decision, (n_decisions,)."""
+        return GreedyPolicy(self.value).choose_all(decisions, rngs)
+
     def values(self, decision: Decision) -> NDArray[np.float64]:
         """Return the values of all actions, (n_actions,)."""
         return self.value.values(decision)
@@ -93,6 +99,10 @@ class VectorPolicy:
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
         return GreedyPolicy(self.value).choose(decision, rng)
+
+    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
+        """Return the choice for each decision, (n_decisions,)."""
+        return GreedyPolicy(self.value).choose_all(decisions, rngs)
 
     def values(self, decision: Decision) -> NDArray[np.float64]:
         """Return the values of all actions, (n_actions,)."""

@@ -121,10 +121,7 @@ def _number(statement: Statement, limits: _Range, others: list[str]) -> str:
     where = _as_to(attribute)
     component = statement.test.component if isinstance(statement.test, (Bound, Near)) else 0
     if mapping.operation in _POSITIVE and limits.high == 0.0:
-        # Hardly ever true: what counts is how near something comes to it.
-        if mapping.operation == "bearing":
-            return f"is seen from {others[0]} in the direction of {others[1]}" + where
-        return f"is where {others[0]} is" if not where else f"is like {others[0]}" + where
+        return _nowhere_else(mapping.operation, others, where)
     match mapping.operation:
         case "identity":
             return f"has {_component(attribute, component)} {_limits(limits)}"
@@ -144,6 +141,13 @@ def _number(statement: Statement, limits: _Range, others: list[str]) -> str:
         case "reframe" | "scaled_reframe":
             return _in_frame(limits, component, others, scaled=mapping.operation != "reframe") + where
     raise AssertionError(mapping.operation)
+
+
+def _nowhere_else(operation: str, others: list[str], where: str) -> str:
+    """Say that a distance or an angle is 0, which is hardly ever true: what counts is how small it is."""
+    if operation == "bearing":
+        return f"is seen from {others[0]} in the direction of {others[1]}{where}"
+    return f"is like {others[0]}{where}" if where else f"is where {others[0]} is"
 
 
 def _component(attribute: Attribute, component: int) -> str:

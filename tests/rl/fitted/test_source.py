@@ -76,7 +76,7 @@ def test_the_penalty_is_on_what_differs_from_the_source(folder: tuple[type[Picki
     world, path = folder
     if world is Limited:
         pytest.skip("forests have no weights that could be penalised")
-    stiff = replace(SETTINGS, curves=replace(SETTINGS.curves, ridge=1e9))
+    stiff = replace(SETTINGS, curves=replace(SETTINGS.curves, ridge=1e9, prior=1e9))
     found = learner(world(things=6), Source(path), stiff)
     before = found.start()
     after = found.iterate(before, 1)

@@ -75,7 +75,7 @@ def test_pairs_are_ordered() -> None:
             Condition(0, (Statement(Mapping("distance", PLACE), (0, 1), Bound(0, "at most", 0.0)),)),
             10.0,
             0,
-            "10",
+            "off by 10",
         ),
     ],
 )
@@ -84,8 +84,8 @@ def test_how_it_stands_is_told(condition: Condition, margin: float, count: float
 
 
 def test_a_number_of_the_arguments_is_told_without_its_limit() -> None:
-    number = Condition(0, (Statement(Mapping("distance", PLACE), (0, 1), Bound(0, "at most", 0.0)),))
-    assert in_words(number, PASS, 10.0, 0) == ("the receiver is away from the holder", "10")
+    number = Condition(0, (Statement(Mapping("identity", PLACE), (1,), Bound(0, "at most", 0.0)),))
+    assert in_words(number, PASS, 10.0, 0) == ("the receiver has x", "10")
 
 
 def test_angles_are_in_degrees_where_their_sentence_is() -> None:

@@ -40,6 +40,9 @@ _FREE: Final = 1e-3
 _NEARLY_FREE: Final = 0.3
 # Features that hardly vary are not blown up.
 _LEAST_SPREAD: Final = 1e-3
+# The features of the questions that a run begins with varied by about so much where they come from, as their
+# knots are quantiles. Here, some may be true of a few transitions only, which would then fix their weights.
+_SPREAD_BEFORE: Final = 0.3
 _SETTLED: Final = 0.02
 
 
@@ -187,7 +190,7 @@ def improved(
     if is_first:
         # Questions of another task were made for other distances.
         total = total.asked_of(evidence)
-    fit = _Fit.of(total, evidence, start or total.forgotten())
+    fit = _Fit.of(total, evidence, start or Sum.zero(total.schemas, total.base))
     fit, targets = fit.solved(settings, sweeps=0 if is_first else settings.sweeps)
     for turn in range(settings.rounds):
         report("rounds of questions", turn, settings.rounds)
@@ -294,7 +297,7 @@ class _Fit:
 
         Without any `sweeps`, it explains what was earned.
         """
-        evidence, system = self.evidence, _System.of(self, settings.ridge)
+        evidence, system = self.evidence, _System.of(self, settings)
         if sweeps == 0:
             earned = evidence.earned()
             return system.solve(self, earned), earned
@@ -319,7 +322,7 @@ class _System:
     spreads: tuple[FloatArray, ...]
 
     @classmethod
-    def of(cls, fit: _Fit, ridge: float) -> _System:
+    def of(cls, fit: _Fit, settings: CurveSettings) -> _System:
         evidence, n_types = fit.evidence, len(fit.features)
         n = len(evidence.taken)
         constant = np.zeros((n, 1 + n_types), dtype=np.float32)
@@ -334,12 +337,14 @@ class _System:
             own = features[rows]
             mean = own.mean(axis=0) if len(own) else np.zeros(own.shape[1])
             spread = (own.std(axis=0) if len(own) else np.zeros(own.shape[1])) + _LEAST_SPREAD
+            first = len(fit.start.questions[number]) * N_KNOTS
+            spread[:first] = np.maximum(spread[:first], _SPREAD_BEFORE)
             block = np.zeros((n, own.shape[1]), dtype=np.float32)
             block[transitions] = (own - mean) / spread
             blocks.append(block)
             means.append(np.asarray(mean, dtype=np.float64))
             spreads.append(np.asarray(spread, dtype=np.float64))
-            penalty.append(np.full(own.shape[1], ridge))
+            penalty.append(np.where(np.arange(own.shape[1]) < first, settings.prior, settings.ridge))
         matrix = np.hstack(blocks)
         normal = (matrix.T @ matrix).astype(np.float64) + np.diag(np.concatenate(penalty))
         return cls(matrix, cho_factor(normal), tuple(means), tuple(spreads))

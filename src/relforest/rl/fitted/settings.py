@@ -64,6 +64,9 @@ class CurveSettings:
         Least number of scenes on either side of the best cut of a question.
     ridge : float
         Penalty on the standardised weights, above 0.
+    prior : float
+        Penalty on what differs from the weights that a run begins with, see `Source`; above 0. They count
+        about as much as so many transitions.
     trace : float
         Lambda of the returns that are learned from, 0 to 1.
     sweeps : int
@@ -77,6 +80,7 @@ class CurveSettings:
     max_scenes: int = 1500
     min_scenes: int = 20
     ridge: float = 30.0
+    prior: float = 3000.0
     trace: float = 0.9
     sweeps: int = 15
 
@@ -84,7 +88,8 @@ class CurveSettings:
         for name in ("rounds", "candidates", "kept", "max_questions", "min_scenes", "sweeps"):
             at_least(name, getattr(self, name), 1)
         at_least("max_scenes", self.max_scenes, 2)
-        in_range("ridge", self.ridge, 0.0, 1e9, open_low=True)
+        for name in ("ridge", "prior"):
+            in_range(name, getattr(self, name), 0.0, 1e9, open_low=True)
         in_range("trace", self.trace, 0.0, 1.0)
 
 

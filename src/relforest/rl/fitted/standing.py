@@ -88,8 +88,8 @@ def in_words(condition: Condition, schema: Schema, margin: float, count: float) 
     said = sentence(condition, schema)
     if math.isnan(margin):
         return said, "cannot be said" if condition.n_free == 0 else "no such object"
-    if is_number(condition):
-        return said.replace(" at most 0", "", 1).replace("within 0 of", "away from", 1), number(margin)
+    if is_number(condition) and " at most 0" in said:
+        return said.replace(" at most 0", "", 1), number(margin)
     if margin <= 0.0:
         return said, f"true of {count:.0f}" if count > 1 else "true"
     if all(isinstance(each.test, Is) for each in condition.statements):
