@@ -59,18 +59,23 @@ def check_world(schema: Schema, action_types: tuple[ActionType, ...], env: Envir
     InputError
         If the attributes of objects or the action types differ. Numbers of objects may differ.
     """
+    check_attributes(schema, env)
     world = world_of(env)
-    name = type(world).__name__
-    if world.schema.attributes != schema.attributes:
-        raise InputError(
-            f"the agent was trained on objects with {schema.names}, but {name} has "
-            f"{world.schema.names}: use a world with the same attributes"
-        )
     if tuple(world.action_types) != action_types:
         there, here = ([known.name for known in types] for types in (action_types, world.action_types))
         raise InputError(
-            f"the agent knows the action types {there}, but {name} has {here}: names and parameters must be "
-            "the same"
+            f"the agent knows the action types {there}, but {type(world).__name__} has {here}: names and "
+            "parameters must be the same"
+        )
+
+
+def check_attributes(schema: Schema, env: Environment) -> None:
+    """Raise `InputError` if an agent that knows objects with these attributes cannot see those of a world."""
+    world = world_of(env)
+    if world.schema.attributes != schema.attributes:
+        raise InputError(
+            f"the agent was trained on objects with {schema.names}, but {type(world).__name__} has "
+            f"{world.schema.names}: use a world with the same attributes"
         )
 
 

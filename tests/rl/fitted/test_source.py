@@ -13,7 +13,7 @@ from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
 from relforest.runs.learner import advance
 from relforest.runs.store import RunStore
-from relforest.smdp import Decision
+from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
 from rl.small_worlds import Picking, Reaching
 
@@ -111,6 +111,30 @@ def test_only_the_questions_of_another_task_are_asked(folder: tuple[type[Picking
             (each for each in offered.measured[1] if each.condition.n_free), key=lambda each: each.importance
         )
         assert best.condition in [each.condition for each in learned.measured[1]]
+
+
+class Resting(Picking):
+    """Picking in which waiting has another name."""
+
+    action_types = (ActionType("rest"), ActionType("pick", ("thing",)))
+
+
+class Grabbing(Picking):
+    """Picking in which everything has another name."""
+
+    action_types = (ActionType("rest"), ActionType("grab", ("thing",)))
+
+
+def test_questions_of_the_action_types_in_common_are_asked(folder: tuple[type[Picking], Path]) -> None:
+    _, path = folder
+    source = Source(path, "questions")
+    value = learner(Resting(), source).start().value
+    assert value is not None
+    learned = value.learned
+    rest, pick = learned.questions if isinstance(learned, Sum) else learned.measured
+    assert (len(rest), len(pick) > 0) == (0, True)
+    with pytest.raises(InputError, match="knows no action type of Grabbing: give a run of a similar task"):
+        learner(Grabbing(), source).start()
 
 
 @pytest.mark.parametrize("what", ["policy", "questions"])

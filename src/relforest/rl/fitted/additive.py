@@ -7,6 +7,7 @@ there is no such action, the values of each action type are a sum of their own.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, final
 
@@ -132,23 +133,26 @@ class Sum:
         n_questions = sum(map(len, self.questions))
         return n_questions, n_questions * N_KNOTS
 
-    def forgotten(self) -> Sum:
-        """Return the same questions, which add nothing."""
-        questions = tuple(
-            tuple(Question(each.condition, each.knots) for each in own) for own in self.questions
-        )
-        return replace(self, constants=(0.0,) * len(self.constants), questions=questions)
+    def offered(self, places: Sequence[int | None], schemas: tuple[Schema, ...]) -> Sum:
+        """Return the same questions, which add nothing, for actions of other types.
+
+        `places` are those of the types here whose questions they get.
+        """
+        own = (() if place is None else self.questions[place] for place in places)
+        questions = tuple(tuple(Question(each.condition, each.knots) for each in asked) for asked in own)
+        return Sum(schemas, None, (0.0,) * len(schemas), questions)
 
     def asked_of(self, evidence: Evidence) -> Sum:
-        """Return it forgotten, with the knots of this evidence, without questions that then have none."""
+        """Return the same questions, which add nothing, with the knots of this evidence if it has any."""
         found: list[tuple[Question, ...]] = []
+        base = evidence.base_type()
         for number, (packed, own) in enumerate(zip(self.packed, self.questions, strict=True)):
-            _, rows = evidence.examples(number, is_base=number == self.base)
+            _, rows = evidence.examples(number, is_base=number == base)
             margins = measured(packed, evidence.scenes[number].take(rows), evidence.n_jobs).margins
             knots = map(knots_of, margins.T)
             kept = zip(own, knots, strict=True)
             found.append(tuple(Question(each.condition, at) for each, at in kept if at is not None))
-        return replace(self.forgotten(), questions=tuple(found))
+        return Sum(self.schemas, base, (0.0,) * len(found), tuple(found))
 
     def worth(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
         """Return what actions of one type are worth, (n,), without the value of the base."""

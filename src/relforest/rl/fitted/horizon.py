@@ -8,7 +8,7 @@ action is good for hardly does, so that the trees need not learn the former.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Final, final
 
 import numpy as np
@@ -89,9 +89,10 @@ class Horizon:
         ]
         object.__setattr__(self, "packed", tuple(packed))
 
-    def forgotten(self) -> Horizon:
-        """Return what is measured, without any trees."""
-        return replace(self, forests=joined([[[] for _ in self.schemas]]))
+    def offered(self, places: Sequence[int | None], schemas: tuple[Schema, ...]) -> Horizon:
+        """Return what is measured, without trees, for actions of other types; see `Sum.offered`."""
+        measured = tuple(() if place is None else self.measured[place] for place in places)
+        return Horizon(schemas, measured, joined([[[] for _ in schemas]]))
 
     @property
     def base(self) -> None:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Final, final
 
 import numpy as np
 
-from relforest.rl.configuration import check_world, describe_run
+from relforest.rl.configuration import check_attributes, check_world, describe_run
 from relforest.rl.experience import Experience, concatenate, latest
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.fitted.additive import Sum, improved
@@ -36,6 +36,7 @@ from relforest.rl.rollout import Environment, rollout, tested, world_of
 from relforest.runs.learner import Row, Snapshot
 from relforest.runs.store import read_checkpoint
 from relforest.smdp import NO_LIMIT
+from relforest.support.errors import InputError
 from relforest.support.progress import part
 from relforest.support.rng import generator, stream
 
@@ -199,9 +200,19 @@ def known_from(source: Source, env: Environment) -> QValue:
     ModelFormatError
         If a file is missing or malformed.
     """
-    value = learned_value(read_checkpoint(source.folder), source.folder)
-    check_world(value.schema, value.action_types, env)
-    return replace(value, learned=value.learned.forgotten()) if source.what == "questions" else value
+    value, world = learned_value(read_checkpoint(source.folder), source.folder), world_of(env)
+    if source.what == "policy":
+        check_world(value.schema, value.action_types, env)
+        return value
+    check_attributes(value.schema, env)
+    known = {action_type: place for place, action_type in enumerate(value.action_types)}
+    places = [known.get(action_type) for action_type in world.action_types]
+    if all(place is None for place in places):
+        raise InputError(
+            f"{source.folder} knows no action type of {type(world).__name__}: give a run of a similar task"
+        )
+    schemas = value.view.schemas(world.action_types)
+    return QValue(value.view, world.action_types, value.learned.offered(places, schemas))
 
 
 def portions(n_before: int, episodes: int, settings: QSettings) -> Iterator[int]:

@@ -21,15 +21,15 @@ _WHAT: Final[tuple[What, ...]] = ("policy", "questions")
 @final
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Another run of ``smrf-q``, in a world with the same attributes and action types.
+    """Another run of ``smrf-q``, in a world with the same attributes.
 
     Parameters
     ----------
     folder : path
         Its folder, which is read once, when the new run begins.
     what : {"policy", "questions"}
-        Begin with its policy, and learn how values differ from its values; or only ask its questions first,
-        because the task is another one.
+        Begin with its policy, and learn how values differ from its values: the action types must be the same.
+        Or only ask its questions first, those of the action types in common, because the task is another one.
     """
 
     folder: Path
