@@ -106,11 +106,11 @@ def test_categories_are_learned_from_and_matched_by_name(run: CommandLine, tmp_p
         ),
         (
             ("--trees", "5"),
-            "--trees is an option of --model boosting, forest, smrf-forest, rules, not of tree",
+            "--trees is an option of --model boosting, forest, smrf-forest, rules, outcome, not of tree",
         ),
         (
             ("--model", "smrf-forest", "--objects", "1"),
-            "--objects is an option of --model boosting, forest, rules, not of smrf-forest",
+            "--objects is an option of --model boosting, forest, rules, outcome, not of smrf-forest",
         ),
         (("--model", "rules", "--objects", "3"), "max_free must be an integer from 0 to 2"),
         (("--model", "forest", "--trees", "0"), "trees must be an integer of at least 1"),

@@ -106,7 +106,7 @@ class OutcomeForestClassifier(SceneClassifier):
     >>> close = [min(np.linalg.norm(scene[i] - scene[i - 1]) for i in range(3)) < 3 for scene in places]
     >>> model = OutcomeForestClassifier(n_trees=10, random_state=0).fit(scenes, close)
     >>> model.importances()[0].question
-    'distance(location) of A, B'
+    'distance(location) of C, D'
     """
 
     n_trees: int = 100
