@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -60,6 +61,13 @@ class Picking(gymnasium.Env[dict[str, Any], np.int64]):
         n = len(self.things)
         numbers = np.arange(1 + n)
         return Decision(self.things[:, None].copy(), np.minimum(numbers, 1), numbers[:, None] - 1, numbers)
+
+
+class Limited(Picking):
+    """Picking that says how many of its four actions are left."""
+
+    def decision(self) -> Decision:
+        return replace(super().decision(), remaining=4 - self.steps if len(self.things) else 0)
 
 
 REACHING_TYPES = (ActionType("wait"), ActionType("reach", ("thing", "place")))

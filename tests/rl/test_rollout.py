@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
@@ -16,7 +16,7 @@ from relforest.scenes.arrays import IntArray
 from relforest.smdp import Decision, Decisions, Lockstep, Outcomes
 from relforest.support.errors import InputError
 from relforest.support.progress import Stage, listening
-from rl.small_worlds import Picking
+from rl.small_worlds import Limited, Picking
 
 SEED = np.random.SeedSequence(7)
 
@@ -58,13 +58,6 @@ def test_a_limit_of_time_is_no_terminal_state() -> None:
     assert len(found) == 4
     assert found.truncated.tolist() == [False, False, False, True]
     assert not found.terminal.any()
-
-
-class Limited(Picking):
-    """Says that the fourth action is the last one."""
-
-    def decision(self) -> Decision:
-        return replace(super().decision(), remaining=4 - self.steps if len(self.things) else 0)
 
 
 def test_experience_says_how_many_actions_remain() -> None:

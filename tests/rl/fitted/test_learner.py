@@ -23,9 +23,9 @@ from relforest.rl.rollout import rollout
 from relforest.rl.saved_policy import read_policy
 from relforest.runs.learner import advance
 from relforest.runs.store import RunStore
-from relforest.smdp import Decision, Decisions
+from relforest.smdp import Decisions
 from relforest.support.errors import InputError, ModelFormatError
-from rl.small_worlds import Picking
+from rl.small_worlds import Limited, Picking
 from rl.test_explaining import check_sums
 
 pytestmark = compiled_only
@@ -34,13 +34,6 @@ SETTINGS = QSettings(
     curves=CurveSettings(rounds=2, candidates=20, min_scenes=5, ridge=1.0),
     forests=ForestSettings(counts=10, trees=5),
 )
-
-
-class Limited(Picking):
-    """Picking that says how many of its four actions are left."""
-
-    def decision(self) -> Decision:
-        return replace(super().decision(), remaining=4 - self.steps if len(self.things) else 0)
 
 
 def learner(env: gymnasium.Env[Any, Any], seed: int = 0) -> QLearner:

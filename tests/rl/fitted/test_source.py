@@ -15,7 +15,7 @@ from relforest.runs.learner import advance
 from relforest.runs.store import RunStore
 from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
-from rl.small_worlds import Picking, Reaching
+from rl.small_worlds import Limited, Picking, Reaching
 
 pytestmark = compiled_only
 
@@ -23,13 +23,6 @@ SETTINGS = QSettings(
     curves=CurveSettings(rounds=2, candidates=20, min_scenes=5, ridge=1.0),
     forests=ForestSettings(counts=10, trees=5),
 )
-
-
-class Limited(Picking):
-    """Picking that says how many of its four actions are left."""
-
-    def decision(self) -> Decision:
-        return replace(super().decision(), remaining=4 - self.steps if len(self.things) else 0)
 
 
 WORLDS = (Picking, Limited)

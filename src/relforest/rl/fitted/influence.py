@@ -10,12 +10,11 @@ import numpy as np
 from relforest.forests.conditions import Condition
 from relforest.rl.experience import Experience
 from relforest.rl.fitted.additive import Sum
-from relforest.rl.fitted.questions import N_KNOTS, Measures, Question, measured, spokesmen
+from relforest.rl.fitted.questions import N_KNOTS, Question, measured, spokesmen
 from relforest.rl.fitted.standing import margins_of_choices
 from relforest.rl.fitted.value import QValue
 from relforest.scenes import Scenes
 from relforest.scenes.arrays import FloatArray, IntArray
-from relforest.smdp import NO_LIMIT
 
 _MOST_SCENES: Final = 1000
 
@@ -82,7 +81,7 @@ def influences(value: QValue, experience: Experience, most: int) -> list[Influen
         taken = taken[np.unique(np.linspace(0, len(taken) - 1, _MOST_SCENES).astype(np.int64))]
         scenes = value.view.scenes(experience, experience.actions[taken], schema, seen)
         measures = measured(learned.packed[number], scenes)
-        shares = _shares(value, number, measures, experience.remaining[experience.states[taken]])
+        shares = value.shares(number, measures, experience.remaining[experience.states[taken]])
         for place in range(measures.margins.shape[1]):
             condition, _ = learned.told(number, place)
             if condition is not None and shares[:, 1 + place].any():
@@ -91,17 +90,6 @@ def influences(value: QValue, experience: Experience, most: int) -> list[Influen
                 found.append(Influence(number, condition, questions, scenes, margins, shares[:, 1 + place]))
     found.sort(key=lambda each: (each.number == learned.base, -each.spread))
     return found[:most]
-
-
-def _shares(value: QValue, number: int, seen: Measures, remaining: IntArray) -> FloatArray:
-    """Return the parts of values of one type, where so many actions (n,) can still be taken."""
-    parts: dict[int, FloatArray] = {}
-    for left in np.unique(remaining).tolist():
-        own = np.flatnonzero(remaining == left)
-        some = Measures(seen.margins[own], seen.counts[own], seen.n_objects[own])
-        shares = value.learned.shares(number, some, None if left == NO_LIMIT else left)
-        parts.update(zip(own.tolist(), shares, strict=True))
-    return np.array([parts[row] for row in range(len(remaining))])
 
 
 def _questions(value: QValue, number: int, place: int) -> tuple[Question, ...]:

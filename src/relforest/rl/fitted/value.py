@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias, final
 
@@ -131,9 +132,30 @@ class QValue:
 
     def _worth(self, number: int, seen: Measures, remaining: IntArray) -> FloatArray:
         """Return what actions (n,) of one type are worth, where so many (n,) can still be taken."""
-        out = np.empty(len(remaining))
-        for left in np.unique(remaining).tolist():
-            own = remaining == left
-            part = Measures(*(column[own] for column in seen))
-            out[own] = self.learned.worth(number, part, None if left == NO_LIMIT else left)
-        return out
+        return _by_remaining(self.learned.worth, number, seen, remaining)
+
+    def shares(self, number: int, seen: Measures, remaining: IntArray) -> FloatArray:
+        """Return the parts of what actions (n,) of one type are worth, (n, 1 + k), see `Sum.shares`."""
+        return _by_remaining(self.learned.shares, number, seen, remaining)
+
+
+def _by_remaining(
+    function: Callable[[int, Measures, int | None], FloatArray],
+    number: int,
+    seen: Measures,
+    remaining: IntArray,
+) -> FloatArray:
+    """Return what a function says of actions (n,), called once for each number of remaining actions (n,)."""
+    # Without any actions, it still says how many columns there are.
+    groups = np.unique(remaining).tolist() or [NO_LIMIT]
+    places = [np.flatnonzero(remaining == left) for left in groups]
+    found = [
+        function(
+            number,
+            Measures(seen.margins[own], seen.counts[own], seen.n_objects[own]),
+            None if left == NO_LIMIT else left,
+        )
+        for left, own in zip(groups, places, strict=True)
+    ]
+    out: FloatArray = np.concatenate(found)[np.argsort(np.concatenate(places))]
+    return out
