@@ -33,6 +33,8 @@ from relforest.experiments.runner import run_study
 from relforest.experiments.sarsa import SarsaLearner, Trained, trained_team
 from relforest.experiments.study import Context, Study
 from relforest.experiments.table import Row, Table
+from relforest.experiments.tasks import task_named
+from relforest.experiments.vectors import vector_learner, vector_value
 from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
 from relforest.forests.statements import Bound, Is, Near, Statement
 from relforest.mappings import Mapping as MappingFunction
@@ -42,10 +44,13 @@ from relforest.reports.run_report import metrics_table, run_report
 from relforest.reports.tree_path import path_in_words, tree_path
 from relforest.rl.baselines import SarsaSettings, TileCoding, make_team
 from relforest.rl.configuration import restore_run
+from relforest.rl.fitted import CurveSettings, ForestSettings, QLearner, QSettings
 from relforest.rl.learner import Knowledge, RPILearner
+from relforest.rl.rollout import world_of
+from relforest.rl.saved_policy import read_policy
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
-from relforest.runs.learner import METRIC_NAMES, Run
+from relforest.runs.learner import METRIC_NAMES, Learner, Run, advance
 from relforest.runs.manifest import held
 from relforest.runs.store import RunStore, metrics_of, read_checkpoint
 from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read_table
@@ -57,7 +62,7 @@ from relforest.volumes import Slab
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 from reports.drawn_trees import NEAR, five_questions, one_question, question, scenes_of
 from reports.drawn_trees import SCHEMA as DRAWN_SCHEMA
-from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Picking, beside, near, two_episodes
+from rl.small_worlds import ACTION_TYPES, PICK_SCHEMA, SCHEMA, Limited, Picking, beside, near, two_episodes
 
 TABLE: Final = "".join(
     ["scene,object,x,y,theta,label\n"]
@@ -75,6 +80,14 @@ NAMES: Final = (("0001-wait-1.json", "0002-wait-1.json"), ("0001-pick-1.json", "
 CONFIG: Final = RunConfig("corridor", episodes=3, iterations=2, seed=7)
 LEARNER: Final = RPILearner(Picking(), RPISettings(), seed_sequence(7), 3, 3)
 SARSA: Final = SarsaLearner(KeepawayOptions(), SarsaSettings(), False, seed_sequence(7), 3, 3)  # noqa: FBT003
+FEW: Final = QSettings(
+    curves=CurveSettings(rounds=2, candidates=20, min_scenes=5, ridge=1.0),
+    forests=ForestSettings(counts=4, trees=2),
+)
+SUM: Final = QLearner(Picking(), FEW, seed_sequence(7), 20, 3)
+HORIZON: Final = QLearner(Limited(), FEW, seed_sequence(7), 20, 3)
+KEEPAWAY: Final = task_named("keepaway").make()
+VECTORS: Final = vector_learner("linear-q", KEEPAWAY, seed_sequence(7), (4, 1))
 ROWS: Final = [
     {
         "iteration": number,
@@ -297,6 +310,31 @@ def _use_sarsa(folder: Path) -> None:
             agent.start(np.array([1.0, 5.0]))
 
 
+def _learned_run(learner: Learner[Any]) -> Callable[[Path], None]:
+    def make(folder: Path) -> None:
+        run = None
+        for _ in range(2):
+            run, _ = advance(learner, run)
+            RunStore(folder, learner).write(run)
+
+    return make
+
+
+def _use_fitted(learner: QLearner, folder: Path) -> None:
+    assert run_report(folder)
+    run = RunStore(folder, learner).resume()
+    value = read_policy(folder)
+    if run is not None and value.schema == SCHEMA and value.action_types == ACTION_TYPES:
+        learner.env.reset(seed=1)
+        assert np.isfinite(value.values(world_of(learner.env).decision())).all()
+
+
+def _use_vectors(folder: Path) -> None:
+    RunStore(folder, VECTORS).resume()
+    KEEPAWAY.reset(seed=1)
+    assert np.isfinite(vector_value(folder, KEEPAWAY)[1].values(world_of(KEEPAWAY).decision())).all()
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Count:
@@ -418,6 +456,24 @@ FORMATS: Final[Mapping[str, Format]] = {
             "trees/*.json": _JSON,
         },
         _use_run,
+        0.7,
+    ),
+    "smrf-q": Format(
+        _learned_run(SUM),
+        {"checkpoint.json": _JSON, "metrics.jsonl": damaged, "experience/*.npz": _ARRAYS},
+        lambda folder: _use_fitted(SUM, folder),
+        0.7,
+    ),
+    "smrf-q, forests": Format(
+        _learned_run(HORIZON),
+        {"checkpoint.json": _JSON, "experience/*.npz": _ARRAYS, "forests/*.npz": _ARRAYS},
+        lambda folder: _use_fitted(HORIZON, folder),
+        0.7,
+    ),
+    "vectors": Format(
+        _learned_run(VECTORS),
+        {"checkpoint.json": _JSON, "values/*.npz": _ARRAYS},
+        _use_vectors,
         0.7,
     ),
     "sarsa": Format(
