@@ -7,18 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, final
+from typing import Annotated, final
 
 from tyro.conf import Positional, arg
 
+from relforest.cli.one_scene import chosen_scene, find_scene
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note
 from relforest.support.errors import InputError
-
-if TYPE_CHECKING:
-    from relforest.models import Model
-    from relforest.scenes import Scenes
-    from relforest.scenes.dialect import Dialect
 
 
 @final
@@ -75,7 +71,7 @@ class ShowOptions:
 
 def show(options: ShowOptions) -> int:
     """Show a model with the given options; the exit code is 0."""
-    chosen = _chosen_scene(options)
+    chosen = chosen_scene(options.scene, options.of)
 
     from relforest.models import read_model
     from relforest.reports import save_figure, tree_figure
@@ -94,7 +90,7 @@ def show(options: ShowOptions) -> int:
     model = read_model(options.model)
     if options.out is not None or chosen is not None:
         _ = model.tree  # an ensemble has neither a drawing nor a path
-    scene = None if chosen is None else _find_scene(*chosen, model, dialect)
+    scene = None if chosen is None else find_scene(*chosen, model, dialect)
     print(model.text)
     if scene is not None:
         print()
@@ -133,34 +129,3 @@ def _show_run(options: ShowOptions) -> int:
         save_figure(policy_figure(value, batches[-1], title=title), options.out)
         note(f"wrote {options.out}")
     return 0
-
-
-def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
-    """Return the id and the file of the scene to follow."""
-    match options.scene:
-        case () if options.of is None:
-            return None
-        case (key,) if options.of is not None:
-            return key, options.of
-        case (key, "of", file) if options.of is None:
-            return key, Path(file)
-        case ():
-            raise InputError("--of needs a scene: add --scene K")
-        case (key,):
-            raise InputError(f"the file of scene {key!r} is missing: write --scene {key} of FILE")
-        case given:
-            raise InputError(f"--scene {' '.join(given)} is not understood: write --scene K of FILE")
-
-
-def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
-    from relforest.scenes.columns import listed
-    from relforest.scenes.ids import plain
-
-    scenes = model.read_scenes(path, dialect=dialect)
-    ids = [plain(scene_id) for scene_id in scenes.scene_ids]
-    positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
-    if len(positions) > 1:
-        raise InputError(f"{path} contains {len(positions)} scenes {key!r}: give them different ids")
-    if positions:
-        return scenes.take(positions)
-    raise InputError(f"{path} does not contain a scene {key!r}; its scenes are {listed(ids)}")

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.outcomes.run import compute
+from relforest.experiments.outcomes.run import compute, unavailable
 from relforest.experiments.outcomes.settings import (
     BALANCE,
     CURVE,
     KEEPAWAY,
     LARGE,
+    OF_2012,
     OURS,
     RIVALS,
     SETTINGS,
@@ -35,7 +36,7 @@ from relforest.experiments.table import Table
 from relforest.metrics import SampleMoments, two_sample_p_value
 from relforest.reports.style import INK, MARKERS, SERIES, styled
 
-METHODS: Final = (OURS, SMRF, *RIVALS)
+METHODS: Final = (OURS, SMRF, OF_2012, *RIVALS)
 DIRECTIONS: Final = tuple(product(SIZES, SIZES))
 _HARD: Final = tuple(task for task in TASKS if task != BALANCE)
 
@@ -209,5 +210,6 @@ STUDY: Final = Study(
     compute,
     summarize,
     figures,
-    choices={"datasets": lambda setting: setting.task},
+    choices={"datasets": lambda setting: setting.task, "methods": lambda setting: setting.part},
+    unavailable=unavailable,
 )
