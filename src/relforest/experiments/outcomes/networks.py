@@ -37,9 +37,11 @@ def sets(scenes: Scenes) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     from every argument, so that relations to arguments need not be learned. There is at least one place.
     """
     n, n_parameters = len(scenes), scenes.schema.n_parameters
-    counts, matrix = scenes.counts, np.nan_to_num(scenes.matrix)
+    counts = scenes.counts
+    # The last row is that of empty places.
+    matrix = np.vstack([np.nan_to_num(scenes.matrix), np.zeros(scenes.schema.width)])
     places = np.arange(max(int(counts.max(initial=1)), 1)) < counts[:, None]
-    rows = np.zeros(places.shape, dtype=np.int64)
+    rows = np.full(places.shape, len(scenes.matrix))
     rows[places] = gather(scenes.rows, scenes.starts, counts)
     pieces = [matrix[rows]]
     for number in range(n_parameters):
