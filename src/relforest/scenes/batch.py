@@ -129,13 +129,8 @@ class Scenes:
         low, high = (int(self.counts.min()), int(self.counts.max())) if len(self) else (0, 0)
         size = f"{low} objects" if low == high else f"{low} to {high} objects"
         size = "no objects" if high == 0 else size if len(self) == 1 else f"{size} each"
-        attributes = ", ".join(
-            f"{attribute.name} ({attribute.dim if attribute.kind == 'euclidean' else attribute.kind})"
-            for attribute in self.schema.attributes
-        )
-        arguments = f"; arguments {', '.join(self.schema.parameters)}" if self.schema.parameters else ""
         scenes = "1 scene" if len(self) == 1 else f"{len(self)} scenes"
-        return f"Scenes({scenes}, {size}; attributes {attributes}{arguments})"
+        return f"Scenes({scenes}, {size}; {self.schema.in_words})"
 
     def objects(self, scene: int) -> IntArray:
         """Return the positions in ``matrix`` of the objects of one scene, (counts[scene],)."""
