@@ -1,0 +1,249 @@
+"""A model as rules about what exists, which any language with a search for objects can run.
+
+The scenes of the most probable leaf of a SMRF tree are those where *some* objects get the answers on its
+branch, those of the next leaf are those of all others where some objects get the answers on its own, and so
+on (Palmer 2015, section 4.1). So a SMRF tree is a chain of rules, as a tree of conditions is a tree of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple, cast, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from relforest.forests.scene_tree import SceneTree, Split
+from relforest.forests.statements import Statement, Test
+from relforest.forests.words import sentence
+from relforest.mappings import Mapping
+from relforest.models import Model
+from relforest.models.model import Label
+from relforest.scenes import Schema
+from relforest.scenes.frames import FrameLayout
+from relforest.scenes.mean_object import has_mean
+from relforest.scenes.parquet import column_names
+from relforest.support.errors import InputError
+from relforest.trees import Question, Tree
+from relforest.trees.nodes import ANSWERS, AnyLeaf
+from relforest.trees.text import introduced
+from relforest.trees.text import sentence as question_sentence
+from relforest.volumes import Volume
+
+MOST_LITERALS: Final = 20_000
+"""Largest number of answers that the rules of a program may ask for."""
+DEEPEST: Final = 40
+"""Largest number of conditions in a row that hold; compilers of other languages limit how code is nested."""
+
+Link = Literal["number", "shares", "mean", "logistic"]
+
+
+class Measure(NamedTuple):
+    """A number about bound objects: the value of a mapping, and the volume or statement about it."""
+
+    mapping: Mapping
+    variables: tuple[int, ...]
+    form: Volume | Test
+
+
+Measures = dict[int, tuple[int, Measure]]
+"""Number and measure of the questions and statements met so far, by identity."""
+
+
+class Asked(NamedTuple):
+    """An answer that a rule asks for: the number of the measure, ``"yes"``, ``"no"`` or ``"error"``."""
+
+    measure: int
+    answer: str
+    said: str = ""
+
+
+class Rule(NamedTuple):
+    """There are objects, other than the arguments and each other, that get all these answers.
+
+    `n_free` is how many; each may be "no object" if `or_none` and no other is left. `at_least` and `every`
+    are those of `relforest.forests.Condition`.
+    """
+
+    n_free: int
+    asked: tuple[Asked, ...]
+    said: str = ""
+    or_none: bool = False
+    at_least: int = 1
+    every: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """What follows if a rule holds, and if not; None if it always holds when it is asked."""
+
+    rule: Rule
+    yes: Step
+    no: Step | None
+
+
+Step = Branch | int
+"""A branch, or the ordinal of a leaf."""
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Program:
+    """A model without anything that only this library can evaluate.
+
+    Parameters
+    ----------
+    schema : Schema
+    layout : FrameLayout
+        The columns of a table with its scenes.
+    measures : tuple of Measure
+    trees : tuple of Step
+        What each scene is asked first, in each tree.
+    values : tuple of (n_leaves, n_outputs) float64
+        What the leaves of each tree say, already weighted.
+    start : (n_outputs,) float64
+        What is added to them.
+    says : tuple of str
+        Of a single SMRF tree, each leaf in words.
+    link : {"number", "shares", "mean", "logistic"}
+        What the sum is: a number, the probabilities of classes, the mean of such, or their logarithms. For
+        two classes, there is one output, about the second one.
+    classes : tuple of labels
+        Empty for numbers.
+    threshold : float
+        The probability of the second of two classes from which on it is predicted.
+    outcome : str
+        What the numbers are of.
+    """
+
+    schema: Schema
+    layout: FrameLayout
+    measures: tuple[Measure, ...]
+    trees: tuple[Step, ...]
+    values: tuple[NDArray[np.float64], ...]
+    start: NDArray[np.float64]
+    says: tuple[str, ...]
+    link: Link
+    classes: tuple[Label, ...]
+    threshold: float
+    outcome: str
+
+
+def program_of(model: Model) -> Program:
+    """Return a model as a program.
+
+    Raises
+    ------
+    InputError
+        If the model is too large, or asks about the mean object of a scene.
+    """
+    learned, schema = model.learned, model.learned.schema
+    if has_mean(schema):
+        raise InputError(
+            "the model asks about the mean object of a scene, which tables do not have: "
+            "fit it with mean_object=False to share it"
+        )
+    measures: Measures = {}
+    if isinstance(learned, Tree):
+        steps: list[Step] = [_chain(learned, measures)]
+        start, values = np.zeros(learned.values.shape[1]), [learned.values]
+        says = tuple(node.summary for node in learned.nodes if isinstance(node, AnyLeaf))
+    else:
+        steps = [
+            _chain(tree, measures) if isinstance(tree, Tree) else _scene_tree(tree, 0, schema, measures)
+            for tree in learned.trees
+        ]
+        start, says = learned.start, ()
+        values = [weight * tree.values for tree, weight in zip(learned.trees, learned.weights, strict=True)]
+    _check_size(steps)
+    link: Link = "mean"
+    if model.classes is None:
+        link = "number"
+    elif model.family in {"boosting", "rules", "outcome"}:
+        link = "logistic"
+    elif model.family == "tree":
+        link = "shares"
+    return Program(
+        schema,
+        model.columns or _own_layout(schema),
+        tuple(measure for _, measure in measures.values()),
+        tuple(steps),
+        tuple(values),
+        start,
+        says,
+        link,
+        model.classes or (),
+        model.threshold,
+        model.outcome,
+    )
+
+
+def _chain(tree: Tree, measures: Measures) -> Step:
+    """Return the leaves of a SMRF tree as rules, the most probable first, of equal ones the earlier one."""
+    new, step = introduced(tree.schema, tree.nodes), None
+    # From behind: the last leaf has all scenes that no other leaf has.
+    for leaf in np.argsort(-tree.leaf_probabilities, kind="stable")[::-1].tolist():
+        asked = []
+        for index in tree.questions_above[leaf]:
+            node = cast("Question", tree.nodes[index])
+            # In depth-first order, the leaves below each answer are together.
+            answer = ANSWERS[(tree.leaves[leaf] >= node.no) + (tree.leaves[leaf] >= node.error)]
+            said = question_sentence(node, new[index] if answer == "yes" else ())
+            measure = Measure(node.mapping, node.variables, node.volume)
+            asked.append(Asked(_number_of(measure, measures, node), answer, said))
+        n_free = max(tree.n_bound[tree.leaves[leaf]] - tree.schema.n_parameters, 0)
+        step = Branch(Rule(n_free, tuple(asked), or_none=True), leaf, step)
+    return cast("Step", step)
+
+
+def _scene_tree(tree: SceneTree, index: int, schema: Schema, measures: Measures) -> Step:
+    node = tree.nodes[index]
+    if not isinstance(node, Split):
+        return tree.leaves.index(index)
+    condition = node.condition
+    asked = tuple(
+        Asked(_number_of(Measure(*_parts(each)), measures, each), "yes") for each in condition.statements
+    )
+    said = sentence(condition, schema)
+    rule = Rule(condition.n_free, asked, said, at_least=condition.at_least, every=condition.every)
+    return Branch(
+        rule,
+        _scene_tree(tree, node.yes, schema, measures),
+        _scene_tree(tree, node.no, schema, measures),
+    )
+
+
+def _parts(statement: Statement) -> tuple[Mapping, tuple[int, ...], Test]:
+    return statement.mapping, statement.variables, statement.test
+
+
+def _number_of(measure: Measure, measures: Measures, owner: object) -> int:
+    """Return the number of what a question or statement measures, which several leaves ask for."""
+    return measures.setdefault(id(owner), (len(measures), measure))[0]
+
+
+def _check_size(steps: Sequence[Step]) -> None:
+    n_asked, stack = 0, [(step, 0) for step in steps]
+    while stack:
+        step, depth = stack.pop()
+        if isinstance(step, Branch):
+            n_asked += len(step.rule.asked)
+            stack.append((step.yes, depth + 1))
+            stack += [] if step.no is None else [(step.no, depth)]
+        if n_asked > MOST_LITERALS or depth > DEEPEST:
+            raise InputError(
+                f"the model is too large to be shared: it may ask for at most {MOST_LITERALS} answers, "
+                f"or for {DEEPEST} conditions in a row that hold; fit fewer or smaller trees"
+            )
+
+
+def _own_layout(schema: Schema) -> FrameLayout:
+    """Return the columns that `Scenes.to_parquet` writes."""
+    scene, item, *names = column_names(schema)
+    spans = [schema.columns(attribute.name) for attribute in schema.attributes]
+    columns = tuple(
+        (attribute, tuple(names[span])) for attribute, span in zip(schema.attributes, spans, strict=True)
+    )
+    return FrameLayout(scene, item, columns, tuple(names[schema.width : schema.width + schema.n_parameters]))
