@@ -14,6 +14,7 @@ from relforest.playing.recorder import Recording
 from relforest.playing.tracks import FINE, TURN, Tables, episode_data
 from relforest.support.errors import InputError
 
+_PACKAGE: Final = "relforest.playing"
 _PLACE: Final = re.compile(r"@@([a-z]+)@@")
 # Within a script element, "</script" and "<!--" would end or hide what follows, and JSON allows line
 # separators that old JavaScript does not.
@@ -72,12 +73,17 @@ def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: 
     }
     parts = {
         "title": html.escape(title),
-        "style": f"{_colors(stage)}\n{_asset('css')}",
-        "script": _asset("js"),
-        "data": _embedded(game),
+        "style": f"{_colors(stage)}\n{asset(_PACKAGE, 'player.css')}",
+        "script": asset(_PACKAGE, "player.js"),
+        "data": embedded(game),
     }
+    return filled(asset(_PACKAGE, "player.html"), parts)
+
+
+def filled(template: str, parts: Mapping[str, str]) -> str:
+    """Return a template with every placeholder, such as ``@@title@@``, replaced by the part of that name."""
     # In one pass, so that placeholders inside a part are not filled.
-    return _PLACE.sub(lambda place: parts[place[1]], _asset("html"))
+    return _PLACE.sub(lambda place: parts[place[1]], template)
 
 
 def _colors(stage: Stage) -> str:
@@ -87,14 +93,15 @@ def _colors(stage: Stage) -> str:
     return f":root {{ {light} }}\n@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}"
 
 
-def _embedded(document: Mapping[str, Any]) -> str:
+def embedded(document: Mapping[str, Any]) -> str:
     """Return JSON that is safe inside a script element."""
     text = json.dumps(document, separators=(",", ":"), allow_nan=False)
     return re.sub("[<>&\u2028\u2029]", lambda found: _UNSAFE[found[0]], text)
 
 
-def _asset(suffix: str) -> str:
-    data = pkgutil.get_data("relforest.playing", f"player.{suffix}")
+def asset(package: str, name: str) -> str:
+    """Return a part of a page, a file of a package; `InputError` if it is not installed."""
+    data = pkgutil.get_data(package, name)
     if data is None:
-        raise InputError(f"player.{suffix} is missing from relforest.playing: reinstall relforest")
+        raise InputError(f"{name} is missing from {package}: reinstall relforest")
     return data.decode("utf-8").rstrip("\n")

@@ -14,8 +14,9 @@ from typing import Final, Literal, NamedTuple, cast, final
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.forests import Condition
 from relforest.forests.scene_tree import SceneTree, Split
-from relforest.forests.statements import Statement, Test
+from relforest.forests.statements import Test
 from relforest.forests.words import sentence
 from relforest.mappings import Mapping
 from relforest.models import Model
@@ -62,16 +63,22 @@ class Asked(NamedTuple):
 class Rule(NamedTuple):
     """There are objects, other than the arguments and each other, that get all these answers.
 
-    `n_free` is how many; each may be "no object" if `or_none` and no other is left. `at_least` and `every`
-    are those of `relforest.forests.Condition`.
+    `n_free` is how many there are. In a SMRF tree, `n_bound` variables are bound above the leaf (-1 in other
+    trees), and a free object is "no object" if no other is left. `at_least` and `every` are those of
+    `relforest.forests.Condition`.
     """
 
     n_free: int
     asked: tuple[Asked, ...]
     said: str = ""
-    or_none: bool = False
+    n_bound: int = -1
     at_least: int = 1
     every: bool = False
+
+    @property
+    def or_none(self) -> bool:
+        """Whether a free object may be "no object"."""
+        return self.n_bound >= 0
 
 
 @final
@@ -152,7 +159,7 @@ def program_of(model: Model) -> Program:
         says = tuple(node.summary for node in learned.nodes if isinstance(node, AnyLeaf))
     else:
         steps = [
-            _chain(tree, measures) if isinstance(tree, Tree) else _scene_tree(tree, 0, schema, measures)
+            _chain(tree, measures) if isinstance(tree, Tree) else _scene_tree(tree, schema, measures)
             for tree in learned.trees
         ]
         start, says = learned.start, ()
@@ -193,30 +200,32 @@ def _chain(tree: Tree, measures: Measures) -> Step:
             said = question_sentence(node, new[index] if answer == "yes" else ())
             measure = Measure(node.mapping, node.variables, node.volume)
             asked.append(Asked(_number_of(measure, measures, node), answer, said))
-        n_free = max(tree.n_bound[tree.leaves[leaf]] - tree.schema.n_parameters, 0)
-        step = Branch(Rule(n_free, tuple(asked), or_none=True), leaf, step)
+        n_bound = tree.n_bound[tree.leaves[leaf]]
+        n_free = max(n_bound - tree.schema.n_parameters, 0)
+        step = Branch(Rule(n_free, tuple(asked), n_bound=n_bound), leaf, step)
     return cast("Step", step)
 
 
-def _scene_tree(tree: SceneTree, index: int, schema: Schema, measures: Measures) -> Step:
-    node = tree.nodes[index]
-    if not isinstance(node, Split):
-        return tree.leaves.index(index)
-    condition = node.condition
+def _scene_tree(tree: SceneTree, schema: Schema, measures: Measures) -> Step:
+    rules = [
+        _rule(node.condition, schema, measures) if isinstance(node, Split) else None for node in tree.nodes
+    ]
+    steps: dict[int, Step] = {index: ordinal for ordinal, index in enumerate(tree.leaves)}
+    # Children come after their parents.
+    for index in range(len(rules) - 1, -1, -1):
+        node, rule = tree.nodes[index], rules[index]
+        if isinstance(node, Split) and rule is not None:
+            steps[index] = Branch(rule, steps[node.yes], steps[node.no])
+    return steps[0]
+
+
+def _rule(condition: Condition, schema: Schema, measures: Measures) -> Rule:
     asked = tuple(
-        Asked(_number_of(Measure(*_parts(each)), measures, each), "yes") for each in condition.statements
+        Asked(_number_of(Measure(each.mapping, each.variables, each.test), measures, each), "yes")
+        for each in condition.statements
     )
     said = sentence(condition, schema)
-    rule = Rule(condition.n_free, asked, said, at_least=condition.at_least, every=condition.every)
-    return Branch(
-        rule,
-        _scene_tree(tree, node.yes, schema, measures),
-        _scene_tree(tree, node.no, schema, measures),
-    )
-
-
-def _parts(statement: Statement) -> tuple[Mapping, tuple[int, ...], Test]:
-    return statement.mapping, statement.variables, statement.test
+    return Rule(condition.n_free, asked, said, at_least=condition.at_least, every=condition.every)
 
 
 def _number_of(measure: Measure, measures: Measures, owner: object) -> int:
