@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
 from itertools import groupby
 from typing import Any
 
@@ -20,6 +22,16 @@ from relforest.trees import ClassLeaf, MeanLeaf, Tree
 from relforest.trees.nodes import AnyLeaf
 
 KINDS = ("tree", "numbers", "classes", "conditions", "rules", "several", "smrf")
+
+N_MODELS = int(os.environ.get("RELFOREST_SHARED_MODELS", "3"))
+"""Models of each kind, with 60 scenes each: 240 of them are 10^5 scenes in all."""
+
+
+def random_cases(seed: int, kind: str) -> Iterator[tuple[Model, Scenes]]:
+    """Models with none, one and two arguments, and scenes for them."""
+    rng = np.random.default_rng(seed)
+    for number in range(N_MODELS):
+        yield random_model(rng, kind, number % 3), random_scenes(rng, kind, number % 3, 60)
 
 
 def random_model(rng: np.random.Generator, kind: str, n_parameters: int) -> Model:

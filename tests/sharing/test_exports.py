@@ -2,13 +2,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from relforest.models import Model
 from relforest.scenes import Scenes
 from relforest.sharing import program_of, python_code, sql_code
-from sharing.shared_models import KINDS, arrow, differences, random_model, random_scenes, scene_rows
+from sharing.shared_models import KINDS, arrow, differences, random_cases, scene_rows
 
 
 def run_python(model: Model, scenes: Scenes) -> list[dict[str, Any]]:
@@ -31,8 +30,5 @@ def run_sql(model: Model, scenes: Scenes) -> list[dict[str, Any]]:
 @pytest.mark.parametrize("run", [run_python, run_sql])
 @pytest.mark.parametrize("kind", KINDS)
 def test_exported_models_predict_what_the_library_does(kind: str, run: Any) -> None:
-    rng = np.random.default_rng(7)
-    for n_parameters in (0, 1, 2):
-        model = random_model(rng, kind, n_parameters)
-        scenes = random_scenes(rng, kind, n_parameters, 60)
+    for model, scenes in random_cases(7, kind):
         assert differences(model, scenes, run(model, scenes)) == []

@@ -14,7 +14,7 @@ from relforest.scenes import Scenes
 from relforest.sharing import play_page, program_of
 from relforest.sharing.page import evaluation_script, scene_document
 from relforest.support.errors import InputError
-from sharing.shared_models import KINDS, random_model, random_scenes
+from sharing.shared_models import KINDS, random_cases, random_model, random_scenes
 
 NODE = shutil.which("node")
 ANSWER = """
@@ -66,10 +66,7 @@ def differences(model: Model, scenes: Scenes, found: list[dict[str, Any]]) -> li
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_page_predicts_what_the_library_does_with_the_same_witnesses(kind: str, tmp_path: Path) -> None:
-    rng = np.random.default_rng(11)
-    for n_parameters in (0, 1, 2):
-        model = random_model(rng, kind, n_parameters)
-        scenes = random_scenes(rng, kind, n_parameters, 60)
+    for model, scenes in random_cases(11, kind):
         assert differences(model, scenes, run_node(model, scenes, tmp_path)) == []
 
 

@@ -28,8 +28,8 @@ _METADATA: Final[dict[str, dict[str, None]]] = {
 }
 
 
-def check_suffix(path: str | PathLike[str]) -> None:
-    """Check that a path has the suffix of a picture.
+def check_suffix(path: str | PathLike[str], *, others: tuple[str, ...] = ()) -> None:
+    """Check that a path has the suffix of a picture; the message also names `others` that would do.
 
     Raises
     ------
@@ -39,7 +39,8 @@ def check_suffix(path: str | PathLike[str]) -> None:
     suffix = Path(path).suffix
     if suffix.lower() not in SUFFIXES:
         found = f"the suffix {suffix!r}" if suffix else "no suffix"
-        raise InputError(f"{path} has {found}: pictures are written as {' or '.join(SUFFIXES)}")
+        also = f", pages and code as {', '.join(others)}" if others else ""
+        raise InputError(f"{path} has {found}: pictures are written as {' or '.join(SUFFIXES)}{also}")
 
 
 def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
