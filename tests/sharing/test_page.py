@@ -22,8 +22,7 @@ const scenes = JSON.parse(require("fs").readFileSync(0, "utf8"));
 const answers = scenes.map(scene => {
   const objects = scene.objects.map(values => values.map(value => value === null ? NaN : value));
   const {trees, scores, shares} = evaluate(objects, scene.arguments);
-  const {rule, found} = trees[0].path.at(-1) ?? {rule: null, found: null};
-  const bound = model.says.length > 0 ? rule.names.map((_, variable) => found.bound[variable]) : [];
+  const bound = model.says.length > 0 ? trees[0].path[0].found.bound : [];
   const witnesses = bound.filter(place => place >= 0).map(place => scene.ids[place]);
   return {leaf: trees[0].leaf, scores, shares, witnesses};
 });

@@ -2,6 +2,10 @@
 // Evaluates a model in plain JavaScript; compare `relforest.sharing.program`. The measures of the model are
 // functions, written by `relforest.sharing.page` with the operations of the library's kernels.
 
+const [YES, NO, ERROR, UNKNOWN] = [0, 1, 2, 255];
+// Answers about tuples of objects are kept while there are no more tuples than this.
+const MOST_KEPT = 4e6;
+
 function rint(x) {
   const nearest = Math.round(x);
   return Math.abs(x % 1) === 0.5 && nearest % 2 !== 0 ? nearest - 1 : nearest;
@@ -15,17 +19,12 @@ function differs(x, y) {
   return x === y ? 0.0 : x < y || x > y ? 1.0 : NaN;
 }
 
-function answerTo(measure, value) {
-  if (Number.isNaN(value)) return "error";
-  const {comparison, limit} = measure;
+// Returns whether a measure is as asked, and the logarithm of the density relative to the peak.
+function judged({comparison, limit, sharpness, circular}, value) {
+  if (Number.isNaN(value)) return [ERROR, -Infinity];
   const isYes = comparison === "<=" ? value <= limit : comparison === ">=" ? value >= limit : value > limit;
-  return isYes ? "yes" : "no";
-}
-
-// The logarithm of the density at a squared distance, relative to the peak.
-function logDensity(measure, squared) {
-  const {sharpness, circular} = measure;
-  return circular ? sharpness * (Math.cos(Math.sqrt(squared)) - 1.0) : -0.5 * sharpness * squared;
+  const log = circular ? sharpness * (Math.cos(Math.sqrt(value)) - 1.0) : -0.5 * sharpness * value;
+  return [isYes ? YES : NO, log];
 }
 
 // Objects are arrays of numbers, NaN = undefined; arguments are places among them, -1 = no object.
@@ -33,87 +32,140 @@ function evaluator(model, functions) {
   const none = model.columns.map(() => NaN);
   const nArguments = model.parameters.length;
   const rules = model.rules.map(rule => ({...rule, depths: byDepth(rule)}));
+  let objects = [], kept = null, density = 0.0;
 
   // Which answers of a rule are known once so many free objects are bound.
   function byDepth(rule) {
     const depths = Array.from({length: rule.free + 1}, () => []);
-    rule.asked.forEach((asked, place) => {
+    for (const asked of rule.asked) {
       const last = Math.max(...model.measures[asked.measure].variables);
-      depths[Math.max(last - nArguments + 1, 0)].push(place);
-    });
+      depths[Math.max(last - nArguments + 1, 0)].push(asked);
+    }
     return depths;
   }
 
-  // Returns the places of the objects that decide and what was measured, or null if the rule does not hold.
-  // In SMRF trees the sequence with the largest product of densities decides, the first of equal ones.
-  function search(rule, objects, given) {
-    const bound = [...given, ...new Array(rule.free).fill(-1)];
-    const rows = bound.map(place => place < 0 ? none : objects[place]);
-    const values = new Array(rule.asked.length).fill(NaN);
-    let count = 0, best = null;
-
-    function isTrue(depth) {
-      return rule.depths[depth].every(place => {
-        const asked = rule.asked[place], measure = model.measures[asked.measure];
-        const [a, b, c] = measure.variables;
-        values[place] = functions[asked.measure](rows[a], rows[b], rows[c]);
-        return answerTo(measure, values[place]) === asked.answer;
-      });
+  function begin(given) {
+    objects = given;
+    const sizes = model.measures.map(({variables}) => (objects.length + 1) ** variables.length);
+    if (kept?.length === objects.length) kept.answers.forEach(answers => answers.fill(UNKNOWN));
+    else if (sizes.reduce((sum, size) => sum + size, 0) > MOST_KEPT) kept = null;
+    else {
+      const answers = sizes.map(size => new Uint8Array(size).fill(UNKNOWN));
+      kept = {length: objects.length, answers, densities: sizes.map(size => new Float64Array(size))};
     }
+  }
 
-    // Calls `then` with every object that is free, until it returns true.
-    function anyFree(depth, then) {
-      const at = nArguments + depth;
-      let isFree = false;
-      for (let place = 0; place < objects.length; place++) {
-        let repeated = false;
-        for (let earlier = 0; earlier < at; earlier++) repeated ||= bound[earlier] === place;
-        if (repeated) continue;
-        isFree = true;
-        bound[at] = place;
-        rows[at] = objects[place];
-        if (then()) return true;
+  // Returns the answer about bound objects, and leaves its density in `density`.
+  function answer(number, bound) {
+    const {variables} = model.measures[number], side = objects.length + 1;
+    let at = bound[variables[0]] + 1;
+    if (variables.length > 1) at = at * side + bound[variables[1]] + 1;
+    if (variables.length > 2) at = at * side + bound[variables[2]] + 1;
+    if (kept !== null) {
+      const known = kept.answers[number][at];
+      if (known !== UNKNOWN) {
+        density = kept.densities[number][at];
+        return known;
       }
-      if (isFree || !rule.orNone) return false;
-      bound[at] = -1;
-      rows[at] = none;
-      return then();
     }
+    const [a, b, c] = variables.map(variable => objects[bound[variable]] ?? none);
+    const [found, log] = judged(model.measures[number], functions[number](a, b, c));
+    if (kept !== null) {
+      kept.answers[number][at] = found;
+      kept.densities[number][at] = log;
+    }
+    density = log;
+    return found;
+  }
+
+  function isBound(bound, before, place) {
+    for (let earlier = 0; earlier < before; earlier++) if (bound[earlier] === place) return true;
+    return false;
+  }
+
+  // Binds the variable `at` to every object that is not bound before, until `then` returns true; returns how
+  // many there were, or -1 if it did.
+  function eachFree(bound, at, then) {
+    let count = 0;
+    for (let place = 0; place < objects.length; place++) {
+      if (isBound(bound, at, place)) continue;
+      count += 1;
+      bound[at] = place;
+      if (then()) return -1;
+    }
+    return count;
+  }
+
+  // Returns the leaf of a SMRF tree that decides: the most probable one that any sequence of objects reaches,
+  // and of its sequences the first with the largest product of densities.
+  function decide({nodes, asked}, given) {
+    const bound = [...given], densities = [];
+    let best = {rank: Infinity, total: -Infinity};
+
+    function visit(at, depth, met, total) {
+      let node = nodes[at];
+      while (node.measure >= 0) {
+        const found = answer(node.measure, bound);
+        densities[met] = density;
+        met += 1;
+        if (found !== ERROR) total += density;
+        node = nodes[node.children[found]];
+      }
+      // Further densities only lower the sum.
+      if (node.rank > best.rank || (node.rank === best.rank && total <= best.total)) return;
+      if (node.leaf >= 0) {
+        best = {rank: node.rank, total, leaf: node.leaf, bound: bound.slice(0, depth), densities: densities.slice(0, met)};
+        return;
+      }
+      const child = node.children[0];
+      let isFree = depth < nArguments;
+      if (isFree) {
+        bound[depth] = given[depth];
+        visit(child, depth + 1, met, total);
+      }
+      for (let place = 0; depth >= nArguments && place < objects.length; place++) {
+        if (isBound(bound, depth, place)) continue;
+        isFree = true;
+        bound[depth] = place;
+        visit(child, depth + 1, met, total);
+      }
+      if (isFree) return;
+      bound[depth] = -1;
+      visit(child, depth + 1, met, total);
+    }
+
+    visit(0, 0, 0, 0.0);
+    return {leaf: best.leaf, path: [{rule: {asked: asked[best.leaf]}, found: best}]};
+  }
+
+  // Returns the objects that decide that a condition holds, or null.
+  function search(rule, given) {
+    const bound = [...given, -1, -1].slice(0, nArguments + rule.free);
+    let count = 0;
+    const isTrue = depth => rule.depths[depth].every(asked => answer(asked.measure, bound) === YES);
 
     function visit(depth) {
       if (!isTrue(depth)) return false;
-      if (depth < rule.free) return anyFree(depth, () => visit(depth + 1));
+      if (depth < rule.free) return eachFree(bound, nArguments + depth, () => visit(depth + 1)) < 0;
       count += 1;
-      let total = 0.0;
-      if (rule.orNone) {
-        rule.asked.forEach((asked, place) => {
-          if (asked.answer !== "error") total += logDensity(model.measures[asked.measure], values[place]);
-        });
-      }
-      if (best === null || !rule.orNone || total > best.total) best = {bound: [...bound], values: [...values], total};
-      return !rule.orNone && count >= rule.atLeast;
+      return count >= rule.atLeast;
     }
 
     if (rule.every) {
-      let some = false;
-      const lonely = anyFree(0, () => {
-        some = true;
-        return !(isTrue(0) && isTrue(1) && anyFree(1, () => isTrue(2)));
-      });
-      return some && !lonely ? {bound: [...given, -1, -1], values, total: 0.0} : null;
+      const hasOther = () => isTrue(0) && isTrue(1) && eachFree(bound, nArguments + 1, () => isTrue(2)) < 0;
+      return eachFree(bound, nArguments, () => !hasOther()) > 0 ? {bound: given} : null;
     }
-    visit(0);
-    return count >= rule.atLeast ? best : null;
+    return visit(0) ? {bound} : null;
   }
 
-  function walk(tree, objects, given) {
+  // A step is a leaf, or pairs of a rule and the step that follows if it holds, with a last step.
+  function walk(tree, given) {
     const path = [];
-    // A step is a leaf, or pairs of a rule and the step that follows if it holds, with a last step.
     let step = tree;
     while (typeof step !== "number") {
       step = step.find(option => {
         if (typeof option === "number") return true;
-        const found = search(rules[option[0]], objects, given);
+        const found = search(rules[option[0]], given);
         path.push({rule: rules[option[0]], found});
         return found !== null;
       });
@@ -122,8 +174,9 @@ function evaluator(model, functions) {
     return {leaf: step, path};
   }
 
-  return function evaluate(objects, given) {
-    const trees = model.trees.map(tree => walk(tree, objects, given));
+  return function evaluate(given, places) {
+    begin(given);
+    const trees = model.trees.map(tree => tree.nodes ? decide(tree, places) : walk(tree, places));
     const scores = [...model.start];
     trees.forEach(({leaf}, number) => {
       model.values[number][leaf].forEach((value, output) => { scores[output] += value; });

@@ -13,10 +13,9 @@ from relforest.playing.page import asset, embedded, filled
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.ids import plain
 from relforest.sharing.measures import Notation, Written, letter
-from relforest.sharing.program import Branch, Measure, Program, Rule, Step
+from relforest.sharing.program import Branch, Measure, Program, Rule, Step, Walk
 from relforest.sharing.rule_text import steps_along_no, written_measures
 from relforest.support.errors import InputError
-from relforest.trees.nodes import variable_name
 from relforest.volumes import Arc
 
 _PACKAGE: Final = "relforest.sharing"
@@ -94,7 +93,10 @@ def evaluation_script(program: Program) -> str:
     written = written_measures(program, _NOTATION)
     functions = [_function(measure, text) for measure, text in zip(program.measures, written, strict=True)]
     rules: list[Rule] = []
-    trees = [_step_document(step, rules) for step in program.trees]
+    trees = [
+        _walk_document(step, walks) if walks else _step_document(step, rules)
+        for step, walks in zip(program.trees, program.walks, strict=True)
+    ]
     attributes = [attribute for attribute in program.schema.attributes for _ in range(attribute.dim)]
     names = [name for _, own in program.layout.attributes for name in own]
     model = {
@@ -158,6 +160,13 @@ def _measure_document(measure: Measure, written: Written) -> dict[str, Any]:
     return document | {"sharpness": form.density_sharpness, "circular": False}
 
 
+def _walk_document(first: Step, walks: tuple[Walk, ...]) -> dict[str, Any]:
+    """Return the nodes of a SMRF tree, and what each leaf asks for."""
+    leaves = {step.yes: step.rule.asked for step in steps_along_no(first) if isinstance(step, Branch)}
+    asked = [[each._asdict() for each in leaves[leaf]] for leaf in sorted(leaves)]  # type: ignore[type-var]
+    return {"nodes": [walk._asdict() for walk in walks], "asked": asked}
+
+
 def _step_document(first: Step, rules: list[Rule]) -> Any:  # noqa: ANN401 - nested lists
     """Return a leaf, or pairs of a rule's number and the step if it holds, and a last step."""
     if not isinstance(first, Branch):
@@ -173,17 +182,13 @@ def _step_document(first: Step, rules: list[Rule]) -> Any:  # noqa: ANN401 - nes
 
 
 def _rule_document(schema: Schema, rule: Rule) -> dict[str, Any]:
-    letters = [variable_name(number) for number in range(rule.n_bound)]
-    # Conditions call their arguments by name, and a single free object "some object".
-    names = [*schema.parameters, *("CD"[: rule.n_free])]
     return {
         "free": rule.n_free,
         "said": rule.said,
-        "orNone": rule.or_none,
         "atLeast": rule.at_least,
         "every": rule.every,
-        "names": letters if rule.or_none else names,
-        "asked": [asked._asdict() for asked in rule.asked],
+        "names": [*schema.parameters, *("CD"[: rule.n_free])],
+        "asked": [{"measure": asked.measure} for asked in rule.asked],
     }
 
 

@@ -106,9 +106,8 @@ function fillForm() {
 // Names of the objects that decide in the first tree, which is the only one of a tree.
 function decisive() {
   const names = new Map();
-  const {rule, found} = answer.trees[0].path.at(-1) ?? {rule: null, found: null};
-  if (model.says.length > 0 && found !== null) {
-    rule.names.forEach((name, variable) => names.set(name, found.bound[variable]));
+  if (model.says.length > 0) {
+    answer.trees[0].path[0].found.bound.forEach((place, variable) => names.set(letter(variable), place));
   }
   return names;
 }
@@ -152,6 +151,10 @@ function tellShares() {
   });
 }
 
+function letter(variable) {
+  return variable < 26 ? String.fromCharCode(65 + variable) : `V${variable}`;
+}
+
 function named(name, place) {
   const role = model.parameters[model.says.length ? name.charCodeAt(0) - 65 : -1];
   return `${name}${role === undefined || role === name ? "" : ` (${role})`} = ${place < 0 ? "no object" : scene.ids[place]}`;
@@ -166,13 +169,12 @@ function tellReasons(names) {
     const {leaf, path} = answer.trees[0];
     find("leaf").textContent = `Leaf ${leaf}: ${model.says[leaf]}`;
     const {rule, found} = path.at(-1);
-    rule.asked.forEach(({measure, answer: given, said}, place) => {
+    rule.asked.forEach(({answer: given, said}, place) => {
       const item = made(list, "li");
       made(item, "span", {}, said);
       made(item, "b", {class: given}, given);
       if (given === "error") return;
-      const density = Math.exp(logDensity(model.measures[measure], found.values[place]));
-      made(item, "small", {}, `density ${short(density)}`);
+      made(item, "small", {}, `density ${short(Math.exp(found.densities[place]))}`);
     });
     return;
   }
@@ -186,8 +188,9 @@ function tellReasons(names) {
     const said = rule.said || rule.asked.map(asked => `${asked.said}: ${asked.answer}`).join("; ");
     made(item, "span", {}, found === null ? `it is not so that ${said}` : said);
     made(item, "b", {class: adds >= 0 ? "yes" : "no"}, `${adds >= 0 ? "+" : ""}${short(adds)}`);
-    const deciding = found === null || rule.every ? [] : (rule.names ?? []).map((name, variable) => [name, found.bound[variable]]);
-    made(item, "small", {}, deciding.map(([name, place]) => named(name, place)).join(", "));
+    const deciding = found === null || rule.every ? [] : found.bound;
+    const names = deciding.map((place, variable) => named(rule.names?.[variable] ?? letter(variable), place));
+    made(item, "small", {}, names.join(", "));
   }
 }
 
@@ -258,3 +261,8 @@ if (scene.color >= 0) {
 }
 fillForm();
 update();
+// Browsers compile what has run often: so the first drag is answered at once.
+setTimeout(() => {
+  const end = performance.now() + 150;
+  while (performance.now() < end) evaluate(objects, scene.arguments);
+}, 50);

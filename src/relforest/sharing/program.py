@@ -27,7 +27,8 @@ from relforest.scenes.mean_object import has_mean
 from relforest.scenes.parquet import column_names
 from relforest.support.errors import InputError
 from relforest.trees import Question, Tree
-from relforest.trees.nodes import ANSWERS, AnyLeaf
+from relforest.trees.nodes import ANSWERS, AnyLeaf, children
+from relforest.trees.packing import RANK
 from relforest.trees.text import introduced
 from relforest.trees.text import sentence as question_sentence
 from relforest.volumes import Volume
@@ -95,6 +96,19 @@ Step = Branch | int
 """A branch, or the ordinal of a leaf."""
 
 
+class Walk(NamedTuple):
+    """A node of a SMRF tree, for those who look for all its leaves at once.
+
+    A measure has three children, by answer, another object has one, and a leaf none; `measure` or `leaf` is
+    -1 for other nodes. `rank` is that of the most probable leaf at or below the node, 0 = of the tree.
+    """
+
+    measure: int
+    children: tuple[int, ...]
+    leaf: int
+    rank: int
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
@@ -108,6 +122,8 @@ class Program:
     measures : tuple of Measure
     trees : tuple of Step
         What each scene is asked first, in each tree.
+    walks : tuple of tuple of Walk
+        The nodes of each tree if it is a SMRF tree, otherwise none.
     values : tuple of (n_leaves, n_outputs) float64
         What the leaves of each tree say, already weighted.
     start : (n_outputs,) float64
@@ -129,6 +145,7 @@ class Program:
     layout: FrameLayout
     measures: tuple[Measure, ...]
     trees: tuple[Step, ...]
+    walks: tuple[tuple[Walk, ...], ...]
     values: tuple[NDArray[np.float64], ...]
     start: NDArray[np.float64]
     says: tuple[str, ...]
@@ -153,17 +170,17 @@ def program_of(model: Model) -> Program:
             "fit it with mean_object=False to share it"
         )
     measures: Measures = {}
+    trees: tuple[SceneTree | Tree, ...]
     if isinstance(learned, Tree):
-        steps: list[Step] = [_chain(learned, measures)]
-        start, values = np.zeros(learned.values.shape[1]), [learned.values]
+        trees, weights, start = (learned,), np.ones(1), np.zeros(learned.values.shape[1])
         says = tuple(node.summary for node in learned.nodes if isinstance(node, AnyLeaf))
     else:
-        steps = [
-            _chain(tree, measures) if isinstance(tree, Tree) else _scene_tree(tree, schema, measures)
-            for tree in learned.trees
-        ]
-        start, says = learned.start, ()
-        values = [weight * tree.values for tree, weight in zip(learned.trees, learned.weights, strict=True)]
+        trees, weights, start, says = learned.trees, learned.weights, learned.start, ()
+    steps = [
+        _chain(tree, measures) if isinstance(tree, Tree) else _scene_tree(tree, schema, measures)
+        for tree in trees
+    ]
+    values = [weight * tree.values for tree, weight in zip(trees, weights, strict=True)]
     _check_size(steps)
     link: Link = "mean"
     if model.classes is None:
@@ -177,6 +194,7 @@ def program_of(model: Model) -> Program:
         model.columns or _own_layout(schema),
         tuple(measure for _, measure in measures.values()),
         tuple(steps),
+        tuple(_walks(tree, measures) if isinstance(tree, Tree) else () for tree in trees),
         tuple(values),
         start,
         says,
@@ -198,12 +216,28 @@ def _chain(tree: Tree, measures: Measures) -> Step:
             # In depth-first order, the leaves below each answer are together.
             answer = ANSWERS[(tree.leaves[leaf] >= node.no) + (tree.leaves[leaf] >= node.error)]
             said = question_sentence(node, new[index] if answer == "yes" else ())
-            measure = Measure(node.mapping, node.variables, node.volume)
-            asked.append(Asked(_number_of(measure, measures, node), answer, said))
+            asked.append(Asked(_question(node, measures), answer, said))
         n_bound = tree.n_bound[tree.leaves[leaf]]
         n_free = max(n_bound - tree.schema.n_parameters, 0)
         step = Branch(Rule(n_free, tuple(asked), n_bound=n_bound), leaf, step)
     return cast("Step", step)
+
+
+def _question(node: Question, measures: Measures) -> int:
+    return _number_of(Measure(node.mapping, node.variables, node.volume), measures, node)
+
+
+def _walks(tree: Tree, measures: Measures) -> tuple[Walk, ...]:
+    ranks = tree.packed.nodes[:, RANK].tolist()
+    return tuple(
+        Walk(
+            _question(node, measures) if isinstance(node, Question) else -1,
+            children(node),
+            tree.leaves.index(index) if isinstance(node, AnyLeaf) else -1,
+            ranks[index],
+        )
+        for index, node in enumerate(tree.nodes)
+    )
 
 
 def _scene_tree(tree: SceneTree, schema: Schema, measures: Measures) -> Step:
