@@ -62,13 +62,22 @@ def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     check_suffix(path)
-    suffix = Path(path).suffix.lower()
+    write_bytes(path, _rendered(figure, Path(path).suffix.lower()))
+
+
+def svg_text(figure: Figure) -> str:
+    """Return a figure as an SVG element to be put into HTML, no wider than there is room."""
+    text = _rendered(figure, ".svg").decode("utf-8")
+    return text[text.index("<svg") :].replace("<svg ", '<svg style="max-width: 100%; height: auto" ', 1)
+
+
+def _rendered(figure: Figure, suffix: str) -> bytes:
     stream = io.BytesIO()
     with styled():
         figure.savefig(
             stream, format=suffix.removeprefix("."), dpi=_resolution(figure), metadata=_METADATA[suffix]
         )
-    write_bytes(path, stream.getvalue())
+    return stream.getvalue()
 
 
 def _resolution(figure: Figure) -> float:
