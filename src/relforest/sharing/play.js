@@ -264,5 +264,5 @@ update();
 // Browsers compile what has run often: so the first drag is answered at once.
 setTimeout(() => {
   const end = performance.now() + 150;
-  while (performance.now() < end) evaluate(objects, scene.arguments);
+  for (let count = 0; count < 50 && performance.now() < end; count++) evaluate(objects, scene.arguments);
 }, 50);
