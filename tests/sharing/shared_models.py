@@ -24,14 +24,15 @@ from relforest.trees.nodes import AnyLeaf
 KINDS = ("tree", "numbers", "classes", "conditions", "rules", "several", "smrf")
 
 N_MODELS = int(os.environ.get("RELFOREST_SHARED_MODELS", "3"))
-"""Models of each kind, with 60 scenes each: 240 of them are 10^5 scenes in all."""
+N_SCENES = int(os.environ.get("RELFOREST_SHARED_SCENES", "60"))
+"""Models of each kind, and scenes for each of them: 240 models of the 7 kinds have 10^5 scenes in all."""
 
 
 def random_cases(seed: int, kind: str) -> Iterator[tuple[Model, Scenes]]:
     """Models with none, one and two arguments, and scenes for them."""
     rng = np.random.default_rng(seed)
     for number in range(N_MODELS):
-        yield random_model(rng, kind, number % 3), random_scenes(rng, kind, number % 3, 60)
+        yield random_model(rng, kind, number % 3), random_scenes(rng, kind, number % 3, N_SCENES)
 
 
 def random_model(rng: np.random.Generator, kind: str, n_parameters: int) -> Model:

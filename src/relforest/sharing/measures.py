@@ -159,13 +159,13 @@ def _point(
         named(f"seen{i}", f"{to} - {start}") for i, (to, start) in enumerate(zip(others[1], a, strict=True))
     ]
     squared = named("squared", squared)
-    reach = named("reach", " + ".join(f"{each} * {each}" for each in seen))
+    reach = " + ".join(f"{each} * {each}" for each in seen)
 
     def where(positive: str, expression: str) -> str:
         return notation.where.format(positive, expression)
 
     if mapping.operation == "scaled_distance":
-        return [named("times", where(squared, notation.sqrt.format(f"{reach} / {squared}")))]
+        return [named("times", where(squared, notation.sqrt.format(f"({reach}) / {squared}")))]
     scale = notation.sqrt.format(squared) if mapping.operation == "reframe" else squared
     along = f"({steps[0]} * {seen[0]} + {steps[1]} * {seen[1]}) / {scale}"
     aside = f"({steps[0]} * {seen[1]} - {steps[1]} * {seen[0]}) / {scale}"

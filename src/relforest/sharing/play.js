@@ -53,6 +53,8 @@ const groups = objects.map((_, number) => {
     group.setPointerCapture(event.pointerId);
     event.preventDefault();
   });
+  // Otherwise a finger would scroll the page.
+  group.addEventListener("touchstart", event => event.preventDefault(), {passive: false});
   group.addEventListener("pointermove", event => {
     if (!group.hasPointerCapture(event.pointerId)) return;
     const frame = find("stage").getBoundingClientRect();

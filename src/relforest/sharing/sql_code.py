@@ -102,7 +102,7 @@ def _columns(program: Program) -> Iterator[str]:
     for name, attribute in zip(map(_name, data_columns(program)), attributes, strict=True):
         if attribute.kind == "category":
             cases = " ".join(f"WHEN {_text(each)} THEN {i}e0" for i, each in enumerate(attribute.categories))
-            wrong = f"error('unknown {attribute.name.replace(chr(39), chr(39) * 2)}: ' || {name})"
+            wrong = f"error({_text(f'unknown {attribute.name}: ')} || {name})"
             yield f"CASE WHEN {name} IS NOT NULL THEN CASE {name} {cases} ELSE {wrong} END END"
         else:
             yield f"turned(defined({name}))" if attribute.kind == "angle" else f"defined({name})"
@@ -114,15 +114,19 @@ def _answered(program: Program, written: list[Written]) -> str:
         for number, step in enumerate(program.trees)
     ]
     joins = [
-        f"    JOIN object {name} ON {name}.scene = s.scene AND {name}.id IS NOT DISTINCT FROM s.{name}_key"
+        f"    LEFT JOIN object {name} ON {name}.scene = s.scene AND {name}.id IS NOT DISTINCT FROM s.{name}_key"
         for name in arguments(program)
     ]
-    body = ",\n".join(["    s.scene", *trees])
+    scene = "s.scene"
+    for name, column in zip(arguments(program), program.layout.arguments, strict=True):
+        wrong = f"error({_text(f'{column} is no object of scene ')} || s.scene)"
+        scene = f"CASE WHEN {name}.place IS NULL THEN {wrong} ELSE {scene} END"
+    body = ",\n".join([f"    {scene} AS scene", *trees])
     return "\n".join([", answered AS (", "    SELECT", body, "    FROM scene s", *joins, ")"])
 
 
 def _step(program: Program, written: list[Written], first: Step, indent: str) -> str:
-    deeper, other, cases = f"{indent}    ", "", []
+    deeper, other, cases, n_rules = f"{indent}    ", "", ["CASE"], 0
     for step in steps_along_no(first):
         if not isinstance(step, Branch):
             other = str(step)
@@ -132,10 +136,9 @@ def _step(program: Program, written: list[Written], first: Step, indent: str) ->
         if step.no is None:
             other = reached
         else:
+            n_rules += 1
             cases.append(f"WHEN {_rule(program, written, step.rule, deeper)} THEN {reached}")
-    if not isinstance(first, Branch):
-        return other
-    return f"\n{deeper}".join(["CASE WHEN FALSE THEN NULL", *cases, f"ELSE {other} END"])
+    return f"\n{deeper}".join([*cases, f"ELSE {other} END"]) if n_rules else other
 
 
 def _rule(program: Program, written: list[Written], rule: Rule, indent: str) -> str:
