@@ -14,7 +14,7 @@ from relforest.models import Model
 from relforest.reports.notebook import MOST_NODES, as_html
 from relforest.rl import Evaluation
 from relforest.scenes import Attribute, Scenes, Schema
-from relforest.trees import Leaf, Tree
+from relforest.trees import Leaf, Question, Tree
 from relforest.volumes import Aggregation, Arc, Ellipsoid, Slab
 from reports.drawn_trees import one_question, scenes_of
 from small_trees import plane, scenes_in
@@ -67,7 +67,7 @@ def test_names_are_text() -> None:
     arrays = (np.arange(2), np.array([0]), np.array([2]), np.array([[0]]))
     scenes = Scenes(schema, matrix, *arrays, object_ids=np.array(["<u>", "x"], dtype=object))
 
-    html = scenes._repr_html_()  # type: ignore[operator]  # a function in the body of the class
+    html = scenes._repr_html_()
     assert "&lt;i&gt;" in html
     assert not any(each.tag in {"b", "i", "u"} for each in parsed(html).iter())
 
@@ -85,7 +85,7 @@ def test_scenes_without_objects_or_places_are_told() -> None:
 def test_large_trees_are_told_in_words() -> None:
     tree = one_question()
     while len(tree.nodes) <= MOST_NODES:
-        question = next(node for node in tree.nodes if hasattr(node, "volume"))
+        question = next(node for node in tree.nodes if isinstance(node, Question))
         tree = tree.expanded(0, 0, question)
 
     assert "<svg" not in as_html(tree)

@@ -97,7 +97,7 @@ def _same(one: dict[str, Any], other: dict[str, Any]) -> bool:
     )
 
 
-def _other_leaf(rng: np.random.Generator, leaf: AnyLeaf, kind: str) -> AnyLeaf:
+def _other_leaf(rng: np.random.Generator, leaf: AnyLeaf, kind: str) -> MeanLeaf | ClassLeaf:
     if kind == "numbers":
         return MeanLeaf(leaf.probability, 0, 3, 0.5, lowest=True)
     shares = rng.dirichlet(np.ones(3)).tolist()

@@ -66,7 +66,7 @@ def test_what_the_model_does_not_know_is_an_error(column: str, value: Any) -> No
     duckdb = pytest.importorskip("duckdb")
     connection = duckdb.connect()
     connection.register("objects", pa.Table.from_pylist(rows))
-    with pytest.raises(duckdb.Error, match="unknown team: nobody|passer is no object of scene 1"):
+    with pytest.raises(duckdb.Error, match=r"unknown team: nobody|passer is no object of scene 1"):
         connection.execute(sql_code(program)).fetchall()
 
 

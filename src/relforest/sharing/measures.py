@@ -84,8 +84,11 @@ def write_measure(measure: Measure, schema: Schema, notation: Notation) -> Writt
         names.append((name, expression))
         return name
 
+    def number(value: float) -> str:
+        return _number(float(value), notation)
+
     point = _point(measure.mapping, measure.variables, schema, notation, named)
-    form, number = measure.form, lambda value: _number(float(value), notation)
+    form = measure.form
     if isinstance(form, Is):
         value = f"differs({point[0]}, {number(form.category)})"
         return Written(tuple(names), value, ">" if form.negated else "<=", number(0.5))

@@ -114,7 +114,8 @@ def _answered(program: Program, written: list[Written]) -> str:
         for number, step in enumerate(program.trees)
     ]
     joins = [
-        f"    LEFT JOIN object {name} ON {name}.scene = s.scene AND {name}.id IS NOT DISTINCT FROM s.{name}_key"
+        f"    LEFT JOIN object {name}"
+        f" ON {name}.scene = s.scene AND {name}.id IS NOT DISTINCT FROM s.{name}_key"
         for name in arguments(program)
     ]
     scene = "s.scene"
