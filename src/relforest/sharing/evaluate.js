@@ -191,6 +191,7 @@ function evaluator(model, functions) {
       const p = logistic ? 1.0 / (1.0 + Math.exp(-scores[0])) : Math.min(Math.max(scores[0], 0.0), 1.0);
       return [1.0 - p, p];
     }
+    if (model.link === "shares") return scores;
     const most = Math.max(...scores);
     const parts = scores.map(score => logistic ? Math.exp(score - most) : Math.max(score, 0.0));
     const whole = parts.reduce((sum, part) => sum + part, 0.0);

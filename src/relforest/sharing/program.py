@@ -181,6 +181,9 @@ def program_of(model: Model) -> Program:
         for tree in trees
     ]
     values = [weight * tree.values for tree, weight in zip(trees, weights, strict=True)]
+    if len(model.classes or ()) == 2:
+        # The leaves of a tree from a file may hold the shares of both classes.
+        values, start = [each[:, -1:] for each in values], start[-1:]
     _check_size(steps)
     link: Link = "mean"
     if model.classes is None:

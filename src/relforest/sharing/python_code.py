@@ -108,7 +108,7 @@ _SEVERAL: Final = '''
 def answer(scores):
     """Return the most probable class, and the probability of each."""
     {shares}
-    total = sum(shares)
+    total = {total}
     shares = [each / total if total > 0.0 else 1.0 / len(shares) for each in shares]
     predicted = CLASSES[shares.index(max(shares))]
     return {{"predicted": predicted}} | {{f"probability_{{name}}": p for name, p in zip(CLASSES, shares)}}
@@ -197,7 +197,9 @@ def _answer(program: Program) -> str:
         if program.link == "logistic":
             share = "1.0 / (1.0 + exp(-scores[0])) if scores[0] > -700.0 else 0.0"
         return _TWO.format(share=share, threshold=program.threshold)
-    shares = "shares = [max(score, 0.0) for score in scores]"
+    shares, total = "shares = [max(score, 0.0) for score in scores]", "sum(shares)"
+    if program.link == "shares":
+        total = "1.0"
     if program.link == "logistic":
         shares = "shares = [exp(score - max(scores)) for score in scores]"
-    return _SEVERAL.format(shares=shares)
+    return _SEVERAL.format(shares=shares, total=total)

@@ -202,7 +202,7 @@ def _scored(program: Program) -> Iterator[str]:
         return
     most = f"greatest({', '.join(f's{i}' for i in range(n))})"
     parts = [f"exp(s{i} - {most})" if logistic else f"greatest(s{i}, 0e0)" for i in range(n)]
-    whole = " + ".join(parts)
+    whole = "1e0" if program.link == "shares" else " + ".join(parts)
     shares = ", ".join(
         f"coalesce({part} / nullif({whole}, 0e0), {_double(1 / n)}) AS p{i}" for i, part in enumerate(parts)
     )
