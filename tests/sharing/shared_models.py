@@ -25,7 +25,7 @@ KINDS = ("tree", "numbers", "classes", "conditions", "rules", "several", "smrf")
 
 N_MODELS = int(os.environ.get("RELFOREST_SHARED_MODELS", "3"))
 N_SCENES = int(os.environ.get("RELFOREST_SHARED_SCENES", "60"))
-"""Models of each kind, and scenes for each of them: 240 models of the 7 kinds have 10^5 scenes in all."""
+"""Models of each kind, and scenes for each of them: 24 models of the 7 kinds with 600 each are 10^5."""
 
 
 def random_cases(seed: int, kind: str) -> Iterator[tuple[Model, Scenes]]:
