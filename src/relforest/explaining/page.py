@@ -15,7 +15,7 @@ from relforest.explaining.explanation import PredictionExplanation
 from relforest.explaining.moves import region_of
 from relforest.explaining.picture import arrow, frame_of, stage_of
 from relforest.forests.explanations import Reason
-from relforest.playing.document import colors, filled
+from relforest.playing.document import asset, colors, filled
 from relforest.playing.frames import Stage
 from relforest.playing.svg import svg
 
@@ -52,8 +52,7 @@ def explanation_page(explanation: PredictionExplanation, *, title: str) -> str:
     told = "" if chosen is None else _legend(explanation, chosen)
     most = max((abs(reason.contribution) for reason in explanation.reasons), default=1.0) or 1.0
     return filled(
-        "relforest.explaining",
-        "page.html",
+        asset("relforest.explaining", "page.html"),
         {
             "title": html.escape(title),
             "colors": colors(stage),

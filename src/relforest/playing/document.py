@@ -17,10 +17,10 @@ _PLACE: Final = re.compile(r"@@([a-z]+)@@")
 _UNSAFE: Final = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 
 
-def filled(package: str, name: str, parts: Mapping[str, str]) -> str:
-    """Return a template with its places, such as ``@@title@@``, filled."""
+def filled(template: str, parts: Mapping[str, str]) -> str:
+    """Return a template with every place, such as ``@@title@@``, filled by the part of that name."""
     # In one pass, so that placeholders inside a part are not filled.
-    return _PLACE.sub(lambda place: parts[place[1]], asset(package, name))
+    return _PLACE.sub(lambda place: parts[place[1]], template)
 
 
 def asset(package: str, name: str) -> str:

@@ -70,4 +70,4 @@ def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: 
         "script": asset(_PACKAGE, "player.js"),
         "data": embedded(game),
     }
-    return filled(_PACKAGE, "player.html", parts)
+    return filled(asset(_PACKAGE, "player.html"), parts)

@@ -20,6 +20,7 @@ from relforest.runs.store import CHECKPOINT, RunStore, read_checkpoint, read_run
 from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.locks import FolderLock
+from relforest.support.notebook import drawn
 from relforest.support.options import at_least
 from relforest.support.parallel import checked_jobs, one_blas_thread
 from relforest.support.progress import printed_to_stderr
@@ -43,6 +44,8 @@ class Evaluation:
 
     rewards: FloatArray
     durations: FloatArray
+
+    _repr_html_ = drawn
 
 
 @final

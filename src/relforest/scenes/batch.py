@@ -22,6 +22,7 @@ from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
+from relforest.support.notebook import drawn
 
 _Key = int | np.integer | slice | ArrayLike
 
@@ -71,6 +72,8 @@ class Scenes:
     arguments: IntArray
     scene_ids: IdArray
     object_ids: IdArray
+
+    _repr_html_ = drawn
 
     def __init__(
         self,
