@@ -24,25 +24,37 @@ def names() -> list[str]:
 def pages() -> dict[str, str | bytes]:
     """Run all examples; return the address of every page and picture of the gallery, with its content."""
     content: dict[str, str | bytes] = {}
-    cards = []
+    cards, plain = [], []
     for name in names():
-        text, pictures = _run(name)
-        title, _, about = _docstring(name).partition("\n")
-        title = title.rstrip(".")
-        addresses = {f"{name}/{path}": data for path, data in pictures.items()}
-        content |= {f"gallery/{address}": data for address, data in addresses.items()}
-        shown = "\n\n".join(f"![{title}]({address})" for address in addresses)
+        printed, pictures = _run(name)
+        first, _, about = _docstring(name).partition("\n")
+        title = name.replace("_", " ").capitalize()
+        content |= {f"gallery/{name}/{path}": data for path, data in pictures.items()}
+        addresses = [f"{name}/{path}" for path in pictures]
         code = (EXAMPLES / f"{name}.py").read_text("utf-8").split('"""\n', 1)[1].strip()
-        content[f"gallery/{name}.md"] = (
-            f"---\ntitle: {name.replace('_', ' ').capitalize()}\n---\n\n"
-            f"# {title}\n\n{about.strip()}\n\n{shown}\n\n"
-            f"## Code\n\n`examples/{name}.py`:\n\n```python\n{code}\n```\n\n## Output\n\n```\n{text}```\n"
+        content[f"gallery/{name}.md"] = "\n\n".join(
+            [
+                f"# {title}",
+                f"{first} {about}".strip(),
+                *(f"![{title}]({address})" for address in addresses),
+                f"## Code\n\n`examples/{name}.py`:\n\n```python\n{code}\n```",
+                f"## Output\n\n```\n{printed}```\n",
+            ]
         )
-        picture = next((f"![]({address})" for address in addresses), "")
-        cards.append(f'<figure markdown="span">\n[{picture}]({name}.md)\n\n[{title}]({name}.md)\n</figure>\n' if picture else f'<figure markdown="span">\n[{title}]({name}.md)\n</figure>\n')
-    content["gallery/index.md"] = (
-        "# Gallery\n\nEvery page shows a script of `examples/`, run when this site was built, and what it made.\n\n"
-        '<div class="cards" markdown>\n\n' + "\n".join(cards) + "\n</div>\n"
+        if addresses:
+            picture = f"[![{title}]({addresses[0]})]({name}.md)"
+            cards.append(f'<figure markdown>\n{picture}\n\n**[{title}]({name}.md)**: {first}\n</figure>')
+        else:
+            plain.append(f"- **[{title}]({name}.md)**: {first}")
+    content["gallery/index.md"] = "\n\n".join(
+        [
+            "# Gallery",
+            "Every page shows a script of `examples/`, run when this site was built, and what it made.",
+            '<div class="cards" markdown>',
+            *cards,
+            "</div>",
+            *plain,
+        ]
     )
     return content
 
