@@ -1,7 +1,7 @@
 """Learn a policy for the corridor from 100 episodes per iteration, and look at what it knows.
 
-The picture shows the value of going left and right, the Bellman errors that trees are learned from, and the leaf of
-every tree that is active at each place.
+The picture shows the value of going left and right, the Bellman errors that trees are learned from, and the
+leaf of every tree that is active at each place.
 """
 
 from __future__ import annotations

@@ -29,6 +29,11 @@ def values(states: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 figure = policy_map_figure(
-    formations(env.unwrapped.setup), values, keepers=3, field=(20.0, 20.0), step=1.0, title="after 100 episodes"
+    formations(env.unwrapped.setup),
+    values,
+    keepers=3,
+    field=(20.0, 20.0),
+    step=1.0,
+    title="after 100 episodes",
 )
 save_figure(figure, "policy-map.png")

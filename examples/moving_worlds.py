@@ -1,7 +1,7 @@
 """Record episodes of three worlds and write each as a small animation.
 
-A recording holds frames of shapes; here they become pictures, and the pictures an animated WebP. `page` would make
-a page of them that plays in any browser. Usage: ``python examples/moving_worlds.py [SECONDS]``.
+A recording holds frames of shapes; here they become pictures, and the pictures an animated WebP. `page` would
+make a page of them that plays in any browser. Usage: ``python examples/moving_worlds.py [SECONDS]``.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ def animate(recording: Recording, path: str, seconds: float, pace: float) -> Non
             due += pace * PAUSE / 1000
     first, *others = pictures
     first.save(path, save_all=True, append_images=others, duration=PAUSE, loop=0, quality=50)
-    print(f"{path}: {len(pictures)} pictures, {recording.duration:.1f} s in all, reward {recording.reward:.2f}")
+    print(
+        f"{path}: {len(pictures)} pictures, {recording.duration:.1f} s in all, reward {recording.reward:.2f}"
+    )
 
 
 seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0

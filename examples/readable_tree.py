@@ -1,7 +1,7 @@
 """Learn a tree from a data frame, read it, draw it, and see which objects a prediction rests on.
 
-In the picture, points are places of an opponent C relative to passer and receiver. The way of one pass that was cut is
-marked, with the opponent who cut it.
+In the picture, points are places of another player C relative to passer and receiver. The way of a pass that
+was cut is marked, with the player who cut it.
 """
 
 from __future__ import annotations
@@ -34,4 +34,6 @@ print(f"Peirce skill score on unseen passes: {score:.2f}")
 print(model.explain(unseen.take([0]))[0])
 
 cut = unseen.take([truth.index(True)])
-save_figure(tree_figure(model.tree_, scenes, intercepted, highlight=cut, title="A pass that was cut"), "tree.png")
+save_figure(
+    tree_figure(model.tree_, scenes, intercepted, highlight=cut, title="A pass that was cut"), "tree.png"
+)

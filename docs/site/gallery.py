@@ -1,4 +1,4 @@
-"""The gallery: every script in `examples/` is run, and shown with what it printed and the pictures it made."""
+"""The gallery: every script in `examples/` is run, and shown with what it printed and drew."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def pages() -> dict[str, str | bytes]:
         )
         if addresses:
             picture = f"[![{title}]({addresses[0]})]({name}.md)"
-            cards.append(f'<figure markdown>\n{picture}\n\n**[{title}]({name}.md)**: {first}\n</figure>')
+            cards.append(f"<figure markdown>\n{picture}\n\n**[{title}]({name}.md)**: {first}\n</figure>")
         else:
             plain.append(f"- **[{title}]({name}.md)**: {first}")
     content["gallery/index.md"] = "\n\n".join(
@@ -67,7 +67,9 @@ def _run(name: str) -> tuple[str, dict[str, bytes]]:
     with TemporaryDirectory() as folder:
         command = [sys.executable, str(EXAMPLES / f"{name}.py")]
         environment = os.environ | {"PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"}
-        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+        )
         if done.returncode:
             raise RuntimeError(f"examples/{name}.py failed:\n{done.stderr}")
         made = sorted(path for path in Path(folder).iterdir() if path.suffix in PICTURES)

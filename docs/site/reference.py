@@ -14,7 +14,7 @@ ROOT = "relforest"
 def exports(package: str) -> dict[str, str]:
     """Return the public names of a package, each with the place that defines it.
 
-    The stub ``__init__.pyi`` says both: the names are those of ``__all__``, the places follow from the imports.
+    The stub ``__init__.pyi`` says both: names are those of ``__all__``, places follow from the imports.
     """
     places, public = {}, []
     for node in ast.parse(_stub(package).read_text("utf-8")).body:
@@ -41,7 +41,7 @@ def uri(module: str) -> str:
 
 
 def page(module: str) -> str:
-    """Return the page of a module: what it is, its names, and those that are documented elsewhere as links."""
+    """Return the page of a module: what it is, its names, and links to those documented elsewhere."""
     if not _stub(module).exists():
         return f"# {module}\n\n::: {module}\n    options:\n      show_root_heading: false\n"
     own, elsewhere = [], []
@@ -68,7 +68,8 @@ def _home(place: str) -> str:
     return next(
         module
         for module in candidates
-        if module in known and (not _stub(module).exists() or module == candidates[0] or name in exports(module))
+        if module in known
+        and (not _stub(module).exists() or module == candidates[0] or name in exports(module))
     )
 
 
