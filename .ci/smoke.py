@@ -1,4 +1,4 @@
-"""Try an installed relforest: import, fit, command line, a run. Prints the versions and a digest of all results."""
+"""Try an installed relforest: import, fit, command line, a run. Prints a digest of results, and versions."""
 
 from __future__ import annotations
 
