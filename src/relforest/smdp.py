@@ -24,7 +24,8 @@ Conventions of the Gymnasium face of a world
 
 `relforest.testing.check_world` checks whether a world follows them.
 
-A world may also offer to play many episodes together, which is faster (`LockstepWorld`).
+A world may also offer to play many episodes together, which is faster (`LockstepWorld`), and to propose more
+actions while somebody chooses (`RefiningWorld`).
 """
 
 from __future__ import annotations
@@ -390,6 +391,29 @@ class World(Protocol):
         ...
 
 
+@runtime_checkable
+class RefiningWorld(World, Protocol):
+    """A world with actions that aim at places, which proposes further places near those it offers.
+
+    A search for the best place is a conversation with such a world. A policy may ask while it chooses: the
+    decision to be recorded is what ``decision()`` returns after the choice.
+
+    References
+    ----------
+    Palmer (2015), section 6.5 (beam search across sampled actions).
+    """
+
+    def refine(self, positions: NDArray[np.int64]) -> Decision:
+        """Return the present decision with more actions, like those at some positions.
+
+        From now on ``decision()`` returns the same, and the new actions can be taken. Shared objects and
+        actions stay as they are; new private objects and new actions follow the others. Nothing is added for
+        actions that aim nowhere, for places that are offered already, or when the world cannot offer more.
+        The next step or reset forgets what was added.
+        """
+        ...
+
+
 class Outcomes(NamedTuple):
     """What a step of e episodes brought, all (e,)."""
 
@@ -475,6 +499,32 @@ def check_decision(decision: Decision, schema: Schema, action_types: Sequence[Ac
                 f"action {position} ({action_types[type_].name}) has arguments {arguments.tolist()}; "
                 f"the first {arity} must be positions of the {n_objects} objects, the others {UNBOUND}"
             )
+
+
+def check_refined(before: Decision, after: Decision) -> None:
+    """Check what `RefiningWorld.refine` returned against the decision before; `check_decision` holds besides.
+
+    Raises
+    ------
+    InputError
+        If an object or an action changed, a number is used twice, a new object is shared, infinite or
+        entirely undefined, or a new action binds no new object.
+    """
+    n, m = before.n_objects, len(before)
+    for name, length in (("objects", n), ("types", m), ("arguments", m), ("indices", m)):
+        if not np.array_equal(
+            getattr(before, name), getattr(after, name)[:length], equal_nan=name == "objects"
+        ):
+            raise InputError(f"refine() must keep {name} of earlier actions as they were: only append")
+    if (after.n_shared, after.remaining) != (before.n_shared, before.remaining):
+        raise InputError("refine() must keep the shared objects and the number of remaining actions")
+    added, places = after.objects[n:], after.arguments[m:]
+    if np.isinf(added).any() or np.isnan(added).all(axis=1).any():
+        raise InputError("refine() must add finite places, but added one that is infinite or undefined")
+    if not ((places >= n) & (places < after.n_objects)).any(axis=1).all():
+        raise InputError("each action that refine() adds must bind one of the private objects that it adds")
+    if len(np.unique(after.indices)) < len(after):
+        raise InputError("refine() must give each action that it adds a number of its own")
 
 
 _COLUMNS = (
