@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal, final
 
@@ -13,7 +14,7 @@ from relforest.playing.frames import Frame, Stage
 from relforest.playing.shapes import Shape, Words
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
-from relforest.support.options import between, one_of
+from relforest.support.options import between, in_range, one_of
 from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.command import Command, run_command
@@ -232,13 +233,15 @@ class BlocksEnv(WorldEnv):
         block : int
             Position of the block in the state.
         x : float
-            Where to, world units.
+            Where to, world units; finite.
 
         Raises
         ------
         InputError
-            If the task has no moves, or all slots for further targets are taken.
+            If there is no such block or place, the task has no moves, or all slots for targets are taken.
         """
+        between("block", block, 0, len(self.state) - 1)
+        in_range("x", x, -math.inf, math.inf, open_low=True, open_high=True)
         moment = self._watcher.with_moves(self.moment, [(block, x)])
         position = self._watcher.move(moment, block, x)
         if position is None:
