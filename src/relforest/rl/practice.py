@@ -25,8 +25,8 @@ class Practice:
     training : gymnasium.Env, optional
         Where training episodes are played. Default: where tests are.
     explorer : Policy
-        Acts in training wherever an agent would otherwise act at random. One that looks at its world, not only
-        at decisions, cannot explore where episodes are played together (`relforest.smdp.LockstepWorld`).
+        Acts in training wherever an agent would otherwise act at random. One that looks at its world, and not
+        only at decisions, is of no use where episodes are played together (`relforest.smdp.LockstepWorld`).
     beginner : Policy
         Acts in tests as long as nothing is known.
     search : Search, optional
