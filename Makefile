@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 KERNELS := forests mappings mil rl trees volumes worlds/keepaway
 
-.PHONY: run test check coverage bench clean
+.PHONY: run test check coverage bench docs release-check clean
 
 run: $(STAMP)
 	$(BIN)/relforest learn corridor --episodes 500 --iterations 5 --seed 0 --out runs/corridor
@@ -26,6 +26,19 @@ coverage: $(STAMP)
 
 bench: $(STAMP)
 	set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done
+
+# The site in build/site; it runs the examples, and any broken link is an error.
+docs: $(STAMP) $(VENV)/.docs-installed
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "open build/site/index.html"
+
+$(VENV)/.docs-installed: $(STAMP) docs/site/requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement docs/site/requirements.lock
+	@touch $@
+
+# Builds what is published, and tries it in new environments; see docs/releasing.md.
+release-check:
+	.ci/release-check
 
 clean:
 	rm -rf $(VENV) build dist .coverage .coverage.* .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

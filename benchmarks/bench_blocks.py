@@ -23,7 +23,7 @@ CASES: tuple[tuple[str, Callable[[], BlocksEnv], str], ...] = (
     ("high towers", high_towers_env, "random"),
     ("high towers", high_towers_env, "large-first"),
     ("color grouping", color_grouping_env, "manual"),
-    ("arch", lambda: arch_env(sampler="expert"), "careful"),
+    ("arch", arch_env, "careful"),
 )
 EPISODES = 40
 REPEATS = 3

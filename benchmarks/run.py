@@ -11,6 +11,7 @@ import platform
 import bench_blocks
 import bench_compile
 import bench_covagg
+import bench_explaining
 import bench_growth
 import bench_keepaway
 import bench_rpi
@@ -31,6 +32,7 @@ def main() -> None:
         table.report()
     for table in bench_tree.run():
         table.report()
+    bench_explaining.run().report()
     bench_growth.run().report()
     for table in bench_keepaway.run():
         table.report()

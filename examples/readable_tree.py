@@ -1,10 +1,15 @@
-"""Learn a tree from a data frame, read it, and see which objects a prediction rests on."""
+"""Learn a tree from a data frame, read it, draw it, and see which objects a prediction rests on.
+
+In the picture, points are places of another player C relative to passer and receiver. The way of a pass that
+was cut is marked, with the player who cut it.
+"""
 
 from __future__ import annotations
 
 from make_passes import passes
 
 import relforest as rf
+from relforest.reports import save_figure, tree_figure
 
 ATTRIBUTES = {"location": ["x", "y"]}
 
@@ -27,3 +32,8 @@ unseen, truth = scenes_and_labels(600, seed=1)
 score = rf.metrics.peirce_skill_score(truth, model.predict(unseen))
 print(f"Peirce skill score on unseen passes: {score:.2f}")
 print(model.explain(unseen.take([0]))[0])
+
+cut = unseen.take([truth.index(True)])
+save_figure(
+    tree_figure(model.tree_, scenes, intercepted, highlight=cut, title="A pass that was cut"), "tree.png"
+)

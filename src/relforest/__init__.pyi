@@ -1,6 +1,7 @@
 from . import (
     datasets,
     experiments,
+    explaining,
     forests,
     mappings,
     metrics,
@@ -53,6 +54,7 @@ __all__ = [
     "Tree",
     "datasets",
     "experiments",
+    "explaining",
     "forests",
     "iter_scene_batches",
     "listening",

@@ -143,3 +143,29 @@ def test_a_scene_is_named_as_it_is_written(
 
     name = given[0].partition("=")[2] or given[1]
     assert f"scene {name}: probability" in run("show", model, *given, path).out
+
+
+def test_models_are_written_as_pages_and_code(
+    run: CommandLine, model: Path, table: Path, tmp_path: Path
+) -> None:
+    page, module, script = (tmp_path / name for name in ("play.html", "model.py", "model.sql"))
+    outcome = run("show", model, "--scene", "100", "of", table, "--out", page)
+    assert (outcome.code, outcome.err) == (0, f"wrote {page}\n")
+    for out in (module, script):
+        assert run("show", model, "--out", out).code == 0
+
+    assert "<title>Scene 100</title>" in page.read_text()
+    assert "def predict(rows):" in module.read_text()
+    assert "EXISTS (SELECT 1 FROM object" in script.read_text()
+
+
+def test_what_cannot_be_shared_says_why(run: CommandLine, model: Path, table: Path, tmp_path: Path) -> None:
+    write_run_of_questions(tmp_path / "run")
+    for arguments, complaint in (
+        ((model, "--out", "play.html"), "a page shows a scene that can be changed: add --scene K of FILE"),
+        ((model, "--scene", "100", "of", table, "--out", "m.sql"), "m.sql is for all scenes: omit --scene"),
+        ((tmp_path / "run", "--out", "run.py"), "only models and trees can be written as .py"),
+    ):
+        outcome = run("show", *arguments)
+        assert outcome.code == 1
+        assert complaint in outcome.err

@@ -6,6 +6,10 @@ from relforest.experiments.tasks import TASKS, task_named
 from relforest.smdp import World
 from relforest.support.errors import InputError
 from relforest.worlds import ENVIRONMENT_IDS
+from relforest.worlds.blocks.arch_policies import TrainerPolicy
+from relforest.worlds.blocks.env import BlocksEnv
+from relforest.worlds.blocks.policies import RandomPolicy
+from relforest.worlds.blocks.samplers import SAMPLERS
 
 
 def test_every_task_makes_a_world() -> None:
@@ -42,6 +46,39 @@ def test_a_discount_of_ones_own_reaches_the_world(name: str) -> None:
         elif name != "corridor":
             # All of it is earned by the last of the steps, which take a hundredth of a second.
             assert discounted == pytest.approx(reward * 0.5 ** (info["duration"] - 0.01))
+
+
+def test_blocks_are_explored_as_in_the_source() -> None:
+    for name in ("high-towers", "color-grouping"):
+        env = task_named(name).make()
+        practice = task_named(name).practice(env)
+        assert practice.training is None
+        assert practice.explorer == practice.beginner == RandomPolicy((0.75, 0.25))
+
+
+def test_the_arch_is_practised_with_a_trainer_and_pays_for_an_arch_at_the_end_of_tests() -> None:
+    task = task_named("arch")
+    env = task.make(0.5)
+    practice = task.practice(env, 0.5)
+    tested, training = env.unwrapped, practice.training and practice.training.unwrapped
+    assert isinstance(tested, BlocksEnv)
+    assert isinstance(training, BlocksEnv)
+    assert (tested.task.pays, training.task.pays) == ("end", "done")
+    assert (tested.task.sampler, training.task.sampler) == (SAMPLERS["test"], SAMPLERS["training"])
+    assert (tested.discount, training.discount) == (0.5, 0.5)
+    assert isinstance(practice.explorer, TrainerPolicy)
+    # It plans in the world where it acts.
+    assert practice.explorer.world is training
+    assert practice.beginner == RandomPolicy((0.9 * 0.25, 0.9 * 0.75, 0.1))
+    found = practice.to_dict(env)["practice"]
+    assert found["training"]["sampler"] == "training"
+    assert (found["explorer"], found["search"]) == ("TrainerPolicy", {"width": 5, "rounds": 2})
+
+
+@pytest.mark.parametrize("name", ["corridor", "keepaway"])
+def test_other_tasks_are_practised_by_random_play(name: str) -> None:
+    env = task_named(name).make()
+    assert task_named(name).practice(env).to_dict(env) == {}
 
 
 def test_a_discount_out_of_range_is_refused() -> None:

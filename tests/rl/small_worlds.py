@@ -12,6 +12,7 @@ from gymnasium import spaces
 from relforest.mappings import Mapping
 from relforest.rl.experience import Experience
 from relforest.scenes import Attribute, Schema
+from relforest.scenes.arrays import IntArray
 from relforest.smdp import UNBOUND, ActionType, Decision
 from relforest.trees import Instantiation, Leaf, Question, Tree
 from relforest.volumes import Ellipsoid
@@ -120,6 +121,50 @@ class Reaching(gymnasium.Env[dict[str, Any], np.int64]):
             np.arange(1 + len(numbers)),
             n_private=len(self.places),
         )
+
+
+class Proposing(Reaching):
+    """Reaching that proposes places 0.05 to the right of those it is asked about, at most `EXTRA`."""
+
+    EXTRA = 5
+
+    def __init__(self, things: int = 3) -> None:
+        super().__init__(things)
+        self.action_space = spaces.Discrete(1 + PLACES * things + self.EXTRA)
+        self.owners: list[int] = []
+        self.asked: list[list[int]] = []
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        self.owners = []
+        return super().reset(seed=seed, options=options)
+
+    def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        n = PLACES * self.n_things
+        if action > n:
+            thing = self.owners[action - 1 - n]
+            # The place takes the slot of one that the world offers itself.
+            self.places[PLACES * thing], action = self.places[action - 1], 1 + PLACES * thing
+        self.owners, self.places = [], self.places[:n]
+        return super().step(action)
+
+    def refine(self, positions: IntArray) -> Decision:
+        self.asked.append(positions.tolist())
+        now = self.decision()
+        for position in positions:
+            thing, place = now.arguments[position]
+            x = now.objects[place, 0] + 0.05
+            if now.types[position] and len(self.owners) < self.EXTRA and x not in self.places:
+                self.owners.append(int(thing))
+                self.places = np.append(self.places, x)
+        return self.decision()
+
+    def decision(self) -> Decision:
+        found, n = super().decision(), PLACES * self.n_things
+        arguments = found.arguments.copy()
+        arguments[1 + n :, 0] = self.owners
+        return replace(found, arguments=arguments)
 
 
 def within(mean: float, radius: float, *, keys: int = 1) -> Ellipsoid:

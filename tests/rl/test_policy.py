@@ -59,6 +59,16 @@ def test_epsilon_at_its_ends(epsilon: float) -> None:
     assert chosen == ({0, 1, 2} if epsilon else {1})
 
 
+def test_another_policy_may_explore() -> None:
+    best = GreedyPolicy(Fixed(np.array([0.0, 1.0, 0.0])))
+    explorer = GreedyPolicy(Fixed(np.array([0.0, 0.0, 1.0])))
+    policy, rng = EpsilonGreedyPolicy(best, 0.3, explorer), np.random.default_rng(0)
+    chosen = np.bincount([policy.choose(THREE, rng) for _ in range(1000)], minlength=3)
+    # Binomial(1000, 0.3): standard deviation 14.5.
+    assert chosen[0] == 0
+    assert abs(chosen[2] - 300) <= 58
+
+
 @pytest.mark.parametrize("epsilon", [-0.1, 1.1, float("nan")])
 def test_epsilon_must_be_a_probability(epsilon: float) -> None:
     with pytest.raises(InputError, match="epsilon must be a number of at least 0 and of at most 1"):
@@ -89,6 +99,7 @@ class Alone:
         GreedyPolicy(Steps()),
         EpsilonGreedyPolicy(GreedyPolicy(Steps()), 0.4),
         EpsilonGreedyPolicy(Alone(RandomPolicy()), 0.4),
+        EpsilonGreedyPolicy(RandomPolicy(), 0.4, Alone(GreedyPolicy(Steps()))),
         EpsilonGreedyPolicy(RandomPolicy(), 0.0),
         EpsilonGreedyPolicy(RandomPolicy(), 1.0),
     ],

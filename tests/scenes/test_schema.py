@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 
 from relforest.scenes import OPERATION_NAMES, Attribute, Schema
+from relforest.scenes.schema import misfit
 from relforest.support.errors import InputError, ModelFormatError
 from strategies import schemas
 
@@ -156,3 +157,18 @@ def test_what_an_attribute_means_is_its_role() -> None:
         Attribute("a", role="place")
     with pytest.raises(InputError, match="attribute 'team' is of kind category, so it cannot be a color"):
         Attribute("team", kind="category", role="color")
+
+
+def test_schemas_are_told_apart_in_few_words() -> None:
+    one = Schema([Attribute("location", 2), Attribute("team", kind="category")], ["holder"])
+
+    assert one.in_words == "attributes location (2), team (category); arguments holder"
+    assert misfit(one, Schema([Attribute("x")])) == (
+        f"the model is for scenes with {one.in_words}, and these have attributes x (1)"
+    )
+
+
+def test_schemas_that_differ_in_details_are_told_in_full() -> None:
+    one, other = (Schema([Attribute("x", operations=[name])]) for name in ("identity", "distance"))
+
+    assert misfit(one, other) == f"the model is for scenes with {one}, and these have {other}"

@@ -65,8 +65,8 @@ def test_the_tasks_of_the_blocks_world_are_made_by_their_identifiers_with_option
         (gymnasium.make("relforest/HighTowers-v0"), 25),
         # 6 ordered pairs to put, 3 blocks to isolate.
         (gymnasium.make("relforest/ColorGrouping-v0", n_blocks=3, distance="rgb"), 9),
-        # 3 blocks to rotate, 1 + 2 + 2 targets for each, done.
-        (gymnasium.make("relforest/Arch-v0", sampler="training"), 19),
+        # 3 blocks to rotate, 1 + 2 + 2 targets for each, done, and 2 * 20 * 2 + 1 targets to ask for.
+        (gymnasium.make("relforest/Arch-v0", sampler="training"), 19 + 81),
     ):
         assert isinstance(env.unwrapped, BlocksEnv)
         assert env.action_space == gymnasium.spaces.Discrete(n_actions)

@@ -40,7 +40,8 @@ COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
         "play": "Play episodes of a world, and write a page that shows them.",
         "fit": "Learn a model from a table of labelled scenes.",
         "predict": "Apply a learned model to the scenes of a table.",
-        "show": "Show a learned model in words, and a tree as a drawing.",
+        "explain": "Explain a prediction, and what would turn it.",
+        "show": "Show a learned model in words, as a drawing, a page or code.",
         "experiment": "Run one of the studies, or list them.",
     }
 )

@@ -238,9 +238,9 @@ def _record(options: PlayOptions, chosen: Mapping[str, Any], policy: str) -> tup
     parameters = {world.parameters.get(name, name): value for name, value in chosen.items()}
     if "size" in parameters:
         parameters["size"] = (2 * parameters["size"])[:2]
-    if options.world == "arch" and policy in world.policies and policy != "random":
-        # Hand-made policies need the moves of their plan among the candidates.
-        parameters["sampler"] = "expert"
+    if options.world == "arch" and policy == "trainer":
+        # It tries what an arch may follow.
+        parameters["sampler"] = "training"
     with naming_options(chosen, **{theirs: ours for ours, theirs in world.parameters.items()}):
         env = gymnasium.make(environment_id(options.world), disable_env_checker=True, **parameters)
     made = env.unwrapped

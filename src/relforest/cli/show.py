@@ -1,4 +1,4 @@
-"""``relforest show``: print a model or what a run has learned, or draw it."""
+"""``relforest show``: print a model or what a run has learned, draw it, or write it as a page or code."""
 
 # Heavy imports wait until the command runs, so that --help answers at once.
 # ruff: noqa: PLC0415
@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, final
+from typing import TYPE_CHECKING, Annotated, Final, final
 
 from tyro.conf import Positional, arg
 
+from relforest.cli.one_scene import chosen_scene, find_scene
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note
 from relforest.support.errors import InputError
@@ -18,7 +19,9 @@ from relforest.support.errors import InputError
 if TYPE_CHECKING:
     from relforest.models import Model
     from relforest.scenes import Scenes
-    from relforest.scenes.dialect import Dialect
+
+_SHARED: Final = (".html", ".py", ".sql")
+_NEEDS_SCENE: Final = "a page shows a scene that can be changed: add --scene K of FILE"
 
 
 @final
@@ -31,6 +34,10 @@ class ShowOptions:
     is printed (and marked in the drawing): its answers, the leaf that decided, and the objects that led to
     it.
 
+    With --scene and a file .html, a page is written in which the objects of the scene can be moved, while the
+    model says what it predicts and why; it works offline. A file .py is a Python module that predicts without
+    relforest, and a file .sql a script for DuckDB. All models can be written like this, not only trees.
+
     Of the folder of a run, what it has learned is printed. The drawing of a run of smrf-q shows what matters
     most to its policy: conditions over scenes of its experience, and what they add to the values of actions.
 
@@ -38,6 +45,8 @@ class ShowOptions:
       relforest show tree.json
       relforest show tree.json --out tree.svg
       relforest show tree.json --scene 17 of passes.parquet --out scene-17.png
+      relforest show tree.json --scene 17 of passes.parquet --out play.html
+      relforest show tree.json --out model.py
       relforest show runs/corridor/trees/0001-left-1.json
       relforest show runs/keepaway --out keepaway.png
 
@@ -58,9 +67,9 @@ class ShowOptions:
     encoding
         Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
     out
-        Picture to write: .svg or .png.
+        Picture (.svg or .png), page (.html) or code (.py or .sql) to write.
     force
-        Replace the picture if it exists.
+        Replace the file if it exists.
     """
 
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
@@ -69,42 +78,70 @@ class ShowOptions:
     separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
-    out: Annotated[Path | None, arg(metavar="PICTURE", help_behavior_hint="(default: no picture)")] = None
+    out: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
     force: bool = False
 
 
 def show(options: ShowOptions) -> int:
     """Show a model with the given options; the exit code is 0."""
-    chosen = _chosen_scene(options)
+    chosen = chosen_scene(options.scene, options.of)
 
     from relforest.models import read_model
-    from relforest.reports import save_figure, tree_figure
     from relforest.reports.figure_files import check_suffix
     from relforest.reports.tree_path import path_in_words, tree_path
     from relforest.scenes.dialect import Dialect
+    from relforest.trees import Tree
 
+    kind = "" if options.out is None else options.out.suffix.lower()
     if options.out is not None:
-        check_suffix(options.out)
+        if kind not in _SHARED:
+            check_suffix(options.out, others=_SHARED)
+        elif (kind == ".html") != (chosen is not None):
+            raise InputError(
+                _NEEDS_SCENE if kind == ".html" else f"{options.out} is for all scenes: omit --scene"
+            )
         check_free(options.out, force=options.force)
     if options.model.is_dir():
+        if kind in _SHARED:
+            raise InputError(
+                f"{options.model} is a folder, but only models and trees can be written as {kind}"
+            )
         if chosen is not None:
             raise InputError(f"--scene belongs to models and trees, and {options.model} is a folder: omit it")
         return _show_run(options)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
-    if options.out is not None or chosen is not None:
+    is_shared = kind in _SHARED
+    if not is_shared and (options.out is not None or chosen is not None):
         _ = model.tree  # an ensemble has neither a drawing nor a path
-    scene = None if chosen is None else _find_scene(*chosen, model, dialect)
+    scene = None if chosen is None else find_scene(*chosen, model, dialect)
     print(model.text)
-    if scene is not None:
+    if scene is not None and isinstance(model.learned, Tree):
         print()
         print(path_in_words(model.tree, tree_path(model.tree, scene)))
     if options.out is not None:
-        title = f"{'Mean' if model.classes is None else 'Probability'} of {model.outcome}"
-        figure = tree_figure(model.tree, points=model.points, highlight=scene, title=title)
-        save_figure(figure, options.out)
+        (_share if is_shared else _draw)(options.out, model, scene)
         note(f"wrote {options.out}")
     return 0
+
+
+def _draw(out: Path, model: Model, scene: Scenes | None) -> None:
+    from relforest.reports import save_figure, tree_figure
+
+    title = f"{'Mean' if model.classes is None else 'Probability'} of {model.outcome}"
+    save_figure(tree_figure(model.tree, points=model.points, highlight=scene, title=title), out)
+
+
+def _share(out: Path, model: Model, scene: Scenes | None) -> None:
+    """Write a model as a page about a scene, or as code."""
+    from relforest.sharing import play_page, program_of, python_code, sql_code
+    from relforest.support.files import write_text
+
+    program = program_of(model)
+    if scene is not None:
+        write_text(out, play_page(program, scene))
+    else:
+        write_text(out, python_code(program) if out.suffix.lower() == ".py" else sql_code(program))
 
 
 def _show_run(options: ShowOptions) -> int:
@@ -133,34 +170,3 @@ def _show_run(options: ShowOptions) -> int:
         save_figure(policy_figure(value, batches[-1], title=title), options.out)
         note(f"wrote {options.out}")
     return 0
-
-
-def _chosen_scene(options: ShowOptions) -> tuple[str, Path] | None:
-    """Return the id and the file of the scene to follow."""
-    match options.scene:
-        case () if options.of is None:
-            return None
-        case (key,) if options.of is not None:
-            return key, options.of
-        case (key, "of", file) if options.of is None:
-            return key, Path(file)
-        case ():
-            raise InputError("--of needs a scene: add --scene K")
-        case (key,):
-            raise InputError(f"the file of scene {key!r} is missing: write --scene {key} of FILE")
-        case given:
-            raise InputError(f"--scene {' '.join(given)} is not understood: write --scene K of FILE")
-
-
-def _find_scene(key: str, path: Path, model: Model, dialect: Dialect) -> Scenes:
-    from relforest.scenes.columns import listed
-    from relforest.scenes.ids import plain
-
-    scenes = model.read_scenes(path, dialect=dialect)
-    ids = [plain(scene_id) for scene_id in scenes.scene_ids]
-    positions = [position for position, scene_id in enumerate(ids) if str(scene_id) == key]
-    if len(positions) > 1:
-        raise InputError(f"{path} contains {len(positions)} scenes {key!r}: give them different ids")
-    if positions:
-        return scenes.take(positions)
-    raise InputError(f"{path} does not contain a scene {key!r}; its scenes are {listed(ids)}")

@@ -21,6 +21,7 @@ from relforest.rl.configuration import check_world
 from relforest.rl.explaining import explanation
 from relforest.rl.fitted.value import QValue
 from relforest.rl.policy import GreedyPolicy
+from relforest.rl.practice import ANYHOW
 from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.rl.vectors.learner import VectorValue
 from relforest.runs.store import CHECKPOINT, read_checkpoint
@@ -56,13 +57,17 @@ class TeamPolicy:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class AgentPolicy:
-    """What a relational learner has learned, whatever the number of objects."""
+    """What a relational learner has learned, whatever the number of objects.
+
+    Where a world offers it, the policy searches for more actions before it chooses.
+    """
 
     value: AnyValue
+    env: gymnasium.Env[Any, Any]
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
-        return GreedyPolicy(self.value).choose(decision, rng)
+        return ANYHOW.tested(self.env, self.value).choose(decision, rng)
 
     def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
         """Return the choice for each decision, (n_decisions,)."""
@@ -86,7 +91,7 @@ class AgentPolicy:
         """
         if not isinstance(self.value, QValue):
             raise InputError("questions can only be left out of policies of smrf-q")
-        return AgentPolicy(self.value.with_questions(n))
+        return AgentPolicy(self.value.with_questions(n), self.env)
 
 
 @final
@@ -158,7 +163,7 @@ def agent_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
     """Return what a relational learner has learned; see `learned_policy`."""
     value = read_policy(folder)
     check_world(value.schema, value.action_types, env)
-    return AgentPolicy(value)
+    return AgentPolicy(value, env)
 
 
 def vector_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> VectorPolicy:

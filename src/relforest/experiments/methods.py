@@ -84,7 +84,9 @@ def _rpi_learner(
 ) -> Learner[Any]:
     from relforest.rl.learner import RPILearner
 
-    return RPILearner(task.make(options["discount"]), _rpi_settings(task, options), seed, *episodes, n_jobs)
+    discount = options["discount"]
+    env, settings = task.make(discount), _rpi_settings(task, options)
+    return RPILearner(env, settings, seed, *episodes, n_jobs, task.practice(env, discount))
 
 
 def _rpi_manifest(task: Task, options: Options) -> dict[str, Any]:
@@ -108,8 +110,10 @@ def _q_learner(
 ) -> Learner[Any]:
     from relforest.rl.fitted.learner import QLearner
 
-    env = task.make(_q_discount(options))
-    return QLearner(env, options["q"] or QSettings(), seed, *episodes, n_jobs, options["source"])
+    discount, settings = _q_discount(options), options["q"] or QSettings()
+    env = task.make(discount)
+    practice = task.practice(env, discount)
+    return QLearner(env, settings, seed, *episodes, n_jobs, options["source"], practice)
 
 
 def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner

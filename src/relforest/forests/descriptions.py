@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final, NamedTuple, cast
 
 from scipy.special import expit
 
@@ -15,9 +15,27 @@ from relforest.trees.nodes import variable_name
 if TYPE_CHECKING:
     from relforest.forests.ensemble import Ensemble
     from relforest.forests.scene_tree import SceneTree
+    from relforest.scenes import Schema
+    from relforest.trees import Tree
 
 MOST_QUESTIONS: Final = 10
 """Questions that are told unless otherwise asked."""
+
+
+class Strong(NamedTuple):
+    """A question of an ensemble: its share of the gain of all questions, and what a yes and a no add."""
+
+    share: float
+    yes: float
+    no: float
+    tree: SceneTree | Tree
+    node: int
+    schema: Schema
+
+    @property
+    def said(self) -> str:
+        """The question in words."""
+        return question_in_words(self.tree, self.node, self.schema)
 
 
 def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:
@@ -27,17 +45,9 @@ def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
     line for each question: its share of the gain of all questions, what a yes and a no add to the score on
     average, and the condition.
     """
-    found = []
-    for tree, weight in zip(ensemble.trees, ensemble.weights, strict=True):
-        for asked in questions(tree):
-            adds = (float(weight * asked.yes[-1]), float(weight * asked.no[-1]))
-            found.append((asked.gain * abs(float(weight)), *adds, tree, asked.node))
-    found.sort(key=lambda each: -each[0])
-    total = sum(gain for gain, *_ in found) or 1.0
+    found = strongest_questions(ensemble)
     lines = [
-        f"{100 * gain / total:4.1f} %  {yes:+.3f} / {no:+.3f}  "
-        + question_in_words(tree, node, ensemble.schema)
-        for gain, yes, no, tree, node in found[:most]
+        f"{100 * each.share:4.1f} %  {each.yes:+.3f} / {each.no:+.3f}  {each.said}" for each in found[:most]
     ]
     n = len(ensemble.trees)
     title = f"Score of {of}: the sum of {n} {'tree' if n == 1 else 'trees'} with {len(found)} questions"
@@ -46,6 +56,24 @@ def ensemble_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
         names = (f"{variable_name(i)} is the {name}" for i, name in enumerate(ensemble.schema.parameters))
         told += f"; {', '.join(names)}"
     return "\n".join([title, told, *lines] if lines else [title])
+
+
+def strongest_questions(ensemble: Ensemble) -> list[Strong]:
+    """Return the questions of all trees, those that lowered the training loss most first."""
+    asked = [
+        (
+            each.gain * abs(float(weight)),
+            float(weight * each.yes[-1]),
+            float(weight * each.no[-1]),
+            tree,
+            each.node,
+        )
+        for tree, weight in zip(ensemble.trees, ensemble.weights, strict=True)
+        for each in questions(tree)
+    ]
+    asked.sort(key=lambda each: -each[0])
+    total = sum(gain for gain, *_ in asked) or 1.0
+    return [Strong(gain / total, yes, no, tree, node, ensemble.schema) for gain, yes, no, tree, node in asked]
 
 
 def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:

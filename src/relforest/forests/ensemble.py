@@ -15,6 +15,7 @@ from relforest.scenes import Schema
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.files import check_document
+from relforest.support.notebook import drawn
 from relforest.support.options import between, in_range
 from relforest.support.parallel import checked_jobs
 from relforest.trees import Tree, query
@@ -60,6 +61,8 @@ class Ensemble:
     """The trees of conditions as arrays, for kernels."""
     conditions: tuple[Condition, ...] = field(init=False)
     """The questions of all trees of conditions, one tree after the other."""
+
+    _repr_html_ = drawn
 
     def __post_init__(self) -> None:
         if len(self.weights) != len(self.trees):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
 from relforest.forests.questions import answers, compared, node_means, questions
@@ -32,18 +32,23 @@ class Reason:
         arguments only, or for a SMRF tree, of the objects that decide.
     contribution : float
         By how much the answer moved the score, compared with the average training scene at that question.
+    n_questions : int
+        How many questions it stands for, of which it is the strongest.
     """
 
     sentence: str
     holds: bool
     witnesses: dict[str, object]
     contribution: float
+    n_questions: int = 1
 
     def __str__(self) -> str:
         """Return the reason on one line."""
         bound = ", ".join(f"{name} = {witness}" for name, witness in self.witnesses.items())
         told = f" ({bound})" if bound else ""
-        return f"{self.contribution:+.2f}: {'' if self.holds else 'it is not so that '}{self.sentence}{told}"
+        more = f", and {self.n_questions - 1} more like it" if self.n_questions > 1 else ""
+        said = f"{'' if self.holds else 'it is not so that '}{self.sentence}"
+        return f"{self.contribution:+.2f}: {said}{told}{more}"
 
 
 @final
@@ -91,9 +96,12 @@ class Importance:
 
 
 def explain_scores(
-    ensemble: Ensemble, scenes: Scenes, outputs: NDArray[np.int64], most: int
+    ensemble: Ensemble, scenes: Scenes, outputs: NDArray[np.int64], most: int, *, together: bool = False
 ) -> list[ScoreExplanation]:
-    """Return the `most` strongest reasons for one output of every scene (n_scenes,)."""
+    """Return the `most` strongest reasons for one output of every scene (n_scenes,).
+
+    With `together`, questions whose first statements are about the same count as one reason.
+    """
     means = [node_means(tree) for tree in ensemble.trees]
     scenes = scenes.recoded(ensemble.schema)
     scores = ensemble.scores(scenes)
@@ -101,7 +109,7 @@ def explain_scores(
         ScoreExplanation(
             plain(scenes.scene_ids[number]),
             float(scores[number, outputs[number]]),
-            _reasons(ensemble, scenes.take([number]), means, int(outputs[number]), most),
+            _reasons(ensemble, scenes.take([number]), means, int(outputs[number]), most, together=together),
         )
         for number in range(len(scenes))
     ]
@@ -120,14 +128,38 @@ def importances(ensemble: Ensemble) -> list[Importance]:
 
 
 def _reasons(
-    ensemble: Ensemble, scene: Scenes, means: list[list[NDArray[np.float64]]], output: int, most: int
+    ensemble: Ensemble,
+    scene: Scenes,
+    means: list[list[NDArray[np.float64]]],
+    output: int,
+    most: int,
+    *,
+    together: bool,
 ) -> tuple[Reason, ...]:
-    found: dict[tuple[str, bool], tuple[float, dict[str, object]]] = {}
+    found: dict[tuple[str, bool], Reason] = {}
+    subjects: dict[tuple[str, bool], str] = {}
     for number, weight in enumerate(ensemble.weights.tolist()):
         for met in answers(ensemble, number, scene):
             moved = weight * float(means[number][met.child][output] - means[number][met.node][output])
             key = (met.sentence, met.holds)
-            before, _ = found.get(key, (0.0, {}))
-            found[key] = (before + moved, met.witnesses)
-    strongest = sorted(found.items(), key=lambda each: (-abs(each[1][0]), each[0]))[:most]
-    return tuple(Reason(said, is_true, witnesses, moved) for (said, is_true), (moved, witnesses) in strongest)
+            before = found[key].contribution if key in found else 0.0
+            found[key] = Reason(met.sentence, met.holds, met.witnesses, before + moved)
+            subjects[key] = compared(ensemble.trees[number], met.node, ensemble.schema, first=True)
+    reasons = sorted(found.values(), key=_strength)
+    if together:
+        groups: dict[str, list[Reason]] = {}
+        for reason in reasons:
+            groups.setdefault(subjects[reason.sentence, reason.holds], []).append(reason)
+        reasons = sorted(map(_joined, groups.values()), key=_strength)
+    return tuple(reasons[:most])
+
+
+def _joined(reasons: list[Reason]) -> Reason:
+    """Return the sum of reasons about the same, told by the strongest one that speaks as they do together."""
+    total = sum(reason.contribution for reason in reasons)
+    told = next(reason for reason in reasons if reason.contribution * total >= 0.0)
+    return replace(told, contribution=total, n_questions=len(reasons))
+
+
+def _strength(reason: Reason) -> tuple[float, str, bool]:
+    return -abs(reason.contribution), reason.sentence, reason.holds

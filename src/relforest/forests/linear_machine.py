@@ -6,9 +6,11 @@ Letters: n scenes, k columns, each what some trees say about every scene.
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 from scipy.special import log_expit, logit
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LogisticRegression
 from sklearn.model_selection import StratifiedKFold
 from sklearn.svm import LinearSVC
@@ -85,7 +87,9 @@ def weighed(
 
     best, skill_of_best = COSTS[0], -np.inf
     margins = np.empty(len(positive))
-    with part("weighing trees"):
+    with part("weighing trees"), catch_warnings():
+        # Whether a machine that stopped early is good enough, cross-validation says.
+        simplefilter("ignore", ConvergenceWarning)
         for cost in COSTS:
             found = np.empty(len(positive))
             for training, held in splits:

@@ -116,11 +116,12 @@ def _branch(tree: Tree, leaf: int) -> list[tuple[int, str]]:
     return found
 
 
-def compared(tree: SceneTree | Tree, node: int, schema: Schema) -> str:
-    """Return what a question compares, without its numbers."""
+def compared(tree: SceneTree | Tree, node: int, schema: Schema, *, first: bool = False) -> str:
+    """Return what a question, or only the first of its statements, compares, without its numbers."""
     if isinstance(tree, SceneTree):
         names = [*schema.parameters, "C", "D"]
-        parts = {(each.mapping.name, each.variables) for each in _split(tree, node).condition.statements}
+        asked_for = _split(tree, node).condition.statements[: 1 if first else None]
+        parts = {(each.mapping.name, each.variables) for each in asked_for}
     else:
         asked = _question(tree, node)
         names = [*schema.parameters, *map(variable_name, range(schema.n_parameters, tree.n_variables))]

@@ -23,6 +23,7 @@ from relforest.scenes.parquet_source import ParquetSource
 from relforest.scenes.scene_stream import SceneStream
 from relforest.scenes.scene_table import check_schema, open_scenes, read_scenes
 from relforest.support.errors import InputError
+from relforest.support.notebook import drawn
 from relforest.support.options import in_range
 from relforest.trees import ClassLeaf, MeanLeaf, Tree, query
 from relforest.trees.nodes import variable_name
@@ -97,6 +98,10 @@ class Model:
     columns: FrameLayout | None
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
     threshold: float = 0.5
+
+    def _repr_html_(self) -> str:
+        """Return what was learned as notebooks show it."""
+        return drawn(self.learned)
 
     def __post_init__(self) -> None:
         if (self.family == "tree") != isinstance(self.learned, Tree):

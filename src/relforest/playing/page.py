@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import html
-import json
-import pkgutil
-import re
-from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Final
 
-from relforest.playing.frames import Stage
+from relforest.playing.document import asset, colors, embedded, filled
 from relforest.playing.recorder import Recording
 from relforest.playing.tracks import FINE, TURN, Tables, episode_data
 from relforest.support.errors import InputError
 
-_PLACE: Final = re.compile(r"@@([a-z]+)@@")
-# Within a script element, "</script" and "<!--" would end or hide what follows, and JSON allows line
-# separators that old JavaScript does not.
-_UNSAFE: Final = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
+_PACKAGE: Final = "relforest.playing"
 
 
 def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: str = "") -> str:
@@ -72,29 +66,8 @@ def page(recordings: Sequence[Recording], *, title: str = "Episodes", subtitle: 
     }
     parts = {
         "title": html.escape(title),
-        "style": f"{_colors(stage)}\n{_asset('css')}",
-        "script": _asset("js"),
-        "data": _embedded(game),
+        "style": f"{colors(stage)}\n{asset(_PACKAGE, 'player.css')}",
+        "script": asset(_PACKAGE, "player.js"),
+        "data": embedded(game),
     }
-    # In one pass, so that placeholders inside a part are not filled.
-    return _PLACE.sub(lambda place: parts[place[1]], _asset("html"))
-
-
-def _colors(stage: Stage) -> str:
-    light, dark = (
-        " ".join(f"--{role}: {pair[shade]};" for role, pair in stage.shades.items()) for shade in (0, 1)
-    )
-    return f":root {{ {light} }}\n@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}"
-
-
-def _embedded(document: Mapping[str, Any]) -> str:
-    """Return JSON that is safe inside a script element."""
-    text = json.dumps(document, separators=(",", ":"), allow_nan=False)
-    return re.sub("[<>&\u2028\u2029]", lambda found: _UNSAFE[found[0]], text)
-
-
-def _asset(suffix: str) -> str:
-    data = pkgutil.get_data("relforest.playing", f"player.{suffix}")
-    if data is None:
-        raise InputError(f"player.{suffix} is missing from relforest.playing: reinstall relforest")
-    return data.decode("utf-8").rstrip("\n")
+    return filled(asset(_PACKAGE, "player.html"), parts)

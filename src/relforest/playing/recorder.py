@@ -248,6 +248,8 @@ def _play(
         if isinstance(policy, Finishing) and policy.is_finished(decision):
             break
         position, begin = policy.choose(decision, rng), watcher.now
+        # The policy may have asked for more actions, see `relforest.smdp.RefiningWorld`.
+        decision = world.decision()
         decision.action(position)
         shown, values = _listed(policy, decision, int(position))
         options = tuple(world.say(number) for number in shown)

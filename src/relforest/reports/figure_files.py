@@ -28,8 +28,8 @@ _METADATA: Final[dict[str, dict[str, None]]] = {
 }
 
 
-def check_suffix(path: str | PathLike[str]) -> None:
-    """Check that a path has the suffix of a picture.
+def check_suffix(path: str | PathLike[str], *, others: tuple[str, ...] = ()) -> None:
+    """Check that a path has the suffix of a picture; the message also names `others` that would do.
 
     Raises
     ------
@@ -39,7 +39,8 @@ def check_suffix(path: str | PathLike[str]) -> None:
     suffix = Path(path).suffix
     if suffix.lower() not in SUFFIXES:
         found = f"the suffix {suffix!r}" if suffix else "no suffix"
-        raise InputError(f"{path} has {found}: pictures are written as {' or '.join(SUFFIXES)}")
+        also = f", pages and code as {', '.join(others)}" if others else ""
+        raise InputError(f"{path} has {found}: pictures are written as {' or '.join(SUFFIXES)}{also}")
 
 
 def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
@@ -61,13 +62,22 @@ def save_figure(figure: Figure, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     check_suffix(path)
-    suffix = Path(path).suffix.lower()
+    write_bytes(path, _rendered(figure, Path(path).suffix.lower()))
+
+
+def svg_text(figure: Figure) -> str:
+    """Return a figure as an SVG element to be put into HTML, no wider than there is room."""
+    text = _rendered(figure, ".svg").decode("utf-8")
+    return text[text.index("<svg") :].replace("<svg ", '<svg style="max-width: 100%; height: auto" ', 1)
+
+
+def _rendered(figure: Figure, suffix: str) -> bytes:
     stream = io.BytesIO()
     with styled():
         figure.savefig(
             stream, format=suffix.removeprefix("."), dpi=_resolution(figure), metadata=_METADATA[suffix]
         )
-    write_bytes(path, stream.getvalue())
+    return stream.getvalue()
 
 
 def _resolution(figure: Figure) -> float:

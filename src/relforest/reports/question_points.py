@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.scenes import Scenes
+from relforest.scenes.schema import misfit
 from relforest.support.errors import InputError
 from relforest.trees import Instantiation, Question, Tree
 from relforest.trees.nodes import AnyLeaf
@@ -75,7 +76,7 @@ def question_points(tree: Tree, scenes: Scenes, labels: NDArray[np.bool_]) -> di
         If the scenes have a different schema, or the number of labels is wrong.
     """
     if scenes.schema != tree.schema:
-        raise InputError(f"the model is for scenes with {tree.schema}, these have {scenes.schema}")
+        raise InputError(misfit(tree.schema, scenes.schema))
     if labels.shape != (len(scenes),):
         raise InputError(f"expected one label per scene, got {labels.shape} for {len(scenes)} scenes")
     return {

@@ -28,7 +28,7 @@ def describe_run(
         "settings": settings,
         "world": {
             "name": type(world).__name__,
-            "options": _options(env),
+            "options": environment_options(env),
             "discount": float(world.discount),
         },
     }
@@ -86,7 +86,7 @@ def seed_to_dict(seed: np.random.SeedSequence) -> dict[str, Any]:
     return {"entropy": words, "spawn_key": [int(word) for word in seed.spawn_key]}
 
 
-def _options(env: Environment) -> dict[str, Any]:
+def environment_options(env: Environment) -> dict[str, Any]:
     """Return the options that an environment was created with, as far as Gymnasium records them."""
     spec = getattr(env, "spec", None)
     options = {} if spec is None else {"id": spec.id, **spec.kwargs}

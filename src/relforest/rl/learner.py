@@ -16,7 +16,6 @@ import numpy as np
 from relforest.rl.configuration import check_world, describe_run
 from relforest.rl.experience import Experience
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
-from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy
 from relforest.rl.policy_json import (
     TREES,
     TreeNames,
@@ -27,6 +26,7 @@ from relforest.rl.policy_json import (
     slugs,
     tree_name,
 )
+from relforest.rl.practice import ANYHOW, Practice
 from relforest.rl.rollout import Environment, rollout, tested, world_of
 from relforest.rl.rounds import improve
 from relforest.rl.samples import draw_samples
@@ -77,6 +77,8 @@ class RPILearner:
         Per iteration, see `relforest.rl.rpi.SMRFRPI.learn`.
     n_jobs : int
         Candidate trees learned at the same time, in threads. The result does not depend on it.
+    practice : Practice
+        How the world is practised and tested.
     """
 
     env: Environment
@@ -85,13 +87,16 @@ class RPILearner:
     episodes: int
     test_episodes: int
     n_jobs: int = 1
+    practice: Practice = ANYHOW
 
     files: ClassVar[re.Pattern[str]] = re.compile(rf"{TREES}/\d{{4}}-.+-\d+\.json|{EXPERIENCE_FILES}")
 
     @property
     def configuration(self) -> dict[str, Any]:
         """Everything that the result depends on, as plain JSON values."""
-        return describe_run(self.env, self.settings.to_dict(), self.seed, (self.episodes, self.test_episodes))
+        episodes = (self.episodes, self.test_episodes)
+        run = describe_run(self.env, self.settings.to_dict(), self.seed, episodes)
+        return run | self.practice.to_dict(self.env)
 
     def start(self) -> Knowledge:
         """Return no trees, and a value of zero."""
@@ -102,11 +107,10 @@ class RPILearner:
     def iterate(self, state: Knowledge, number: int) -> Knowledge:
         """Gain training experience and learn from it."""
         settings, seed, world = self.settings, stream(self.seed, number), world_of(self.env)
-        policy: Policy = RandomPolicy()
-        if number > 1:
-            policy = EpsilonGreedyPolicy(GreedyPolicy(state.value), settings.epsilon)
+        env = self.practice.training or self.env
+        policy = self.practice.trainee(env, state.value if number > 1 else None, settings.epsilon)
         with part("training"):
-            batches = (*state.batches, rollout(self.env, policy, self.episodes, stream(seed, _TRAINING)))
+            batches = (*state.batches, rollout(env, policy, self.episodes, stream(seed, _TRAINING)))
         report("collecting samples")
         samples = draw_samples(
             batches,
@@ -130,7 +134,8 @@ class RPILearner:
     def evaluate(self, state: Knowledge, number: int) -> Row:
         """Play test episodes with the policy."""
         seed, size = stream(self.seed, number, _TESTING), (state.value.n_trees, state.value.n_leaves)
-        return tested(self.env, GreedyPolicy(state.value), self.test_episodes, seed, state.batches, size)
+        policy = self.practice.tested(self.env, state.value if number else None)
+        return tested(self.env, policy, self.test_episodes, seed, state.batches, size)
 
     def to_plain(self, state: Knowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its trees and the experience as files."""

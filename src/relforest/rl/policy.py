@@ -80,6 +80,9 @@ class RandomPolicy:
         return _uniform(decisions.n_actions, rngs)
 
 
+_RANDOM = RandomPolicy()
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class GreedyPolicy:
@@ -122,14 +125,16 @@ class GreedyPolicy:
 @final
 @dataclass(frozen=True, slots=True)
 class EpsilonGreedyPolicy:
-    """Follow another policy, but choose uniformly with a small probability.
+    """Follow a policy, but explore with a small probability.
 
     Parameters
     ----------
     policy : Policy
         What to do otherwise.
     epsilon : float
-        Probability of a uniform choice, 0 to 1.
+        Probability of exploring, 0 to 1.
+    explorer : Policy
+        How to explore. Default: uniformly.
 
     Raises
     ------
@@ -143,6 +148,7 @@ class EpsilonGreedyPolicy:
 
     policy: Policy
     epsilon: float
+    explorer: Policy = _RANDOM
 
     def __post_init__(self) -> None:
         in_range("epsilon", self.epsilon, 0.0, 1.0)
@@ -150,27 +156,27 @@ class EpsilonGreedyPolicy:
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position; consumes one number from `rng` and what the choice itself needs."""
         if rng.random() < self.epsilon:
-            return int(rng.integers(len(decision)))
+            return self.explorer.choose(decision, rng)
         return self.policy.choose(decision, rng)
 
     def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
         """Return the choice for each decision, (n_decisions,)."""
         explores = np.array([rng.random() < self.epsilon for rng in rngs], dtype=np.bool_)
         chosen = np.empty(len(rngs), dtype=np.int64)
-        some, others = np.flatnonzero(explores), np.flatnonzero(~explores)
-        chosen[some] = _uniform(decisions.n_actions[some], [rngs[i] for i in some.tolist()])
-        if len(others):
-            own = decisions.take(others) if len(some) else decisions
-            chosen[others] = choose_all(self.policy, own, [rngs[i] for i in others.tolist()])
+        for policy, is_its in ((self.explorer, explores), (self.policy, ~explores)):
+            some = np.flatnonzero(is_its)
+            if len(some):
+                own = decisions.take(some) if len(some) < len(rngs) else decisions
+                chosen[some] = choose_all(policy, own, [rngs[i] for i in some.tolist()])
         return chosen
 
 
-def exploring(value: ActionValues | None, epsilon: float) -> Policy:
-    """Return the policy that is greedy for values but for a probability, or random before there are any."""
+def exploring(value: ActionValues | None, epsilon: float, explorer: Policy = _RANDOM) -> Policy:
+    """Return the policy that is greedy for values but for a probability, or explores before there are any."""
     if value is None:
-        return RandomPolicy()
+        return explorer
     policy = GreedyPolicy(value)
-    return EpsilonGreedyPolicy(policy, epsilon) if epsilon else policy
+    return EpsilonGreedyPolicy(policy, epsilon, explorer) if epsilon else policy
 
 
 def _uniform(counts: IntArray, rngs: Sequence[np.random.Generator]) -> IntArray:

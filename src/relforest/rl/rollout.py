@@ -12,7 +12,7 @@ from relforest.rl.experience import Experience
 from relforest.rl.policy import LockstepPolicy, Policy
 from relforest.runs.learner import Row
 from relforest.scenes.arrays import FloatArray, IntArray
-from relforest.smdp import Decisions, Lockstep, LockstepWorld, Outcomes, World
+from relforest.smdp import Decisions, Lockstep, LockstepWorld, Outcomes, RefiningWorld, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import part, report
@@ -192,13 +192,15 @@ class _Log:
 def _play(env: Environment, policy: Policy, rng: np.random.Generator, number: int, log: _Log) -> None:
     """Play the episode that has begun."""
     world = world_of(env)
-    decisions, ended = [world.decision()], False
+    is_refined, decisions, ended = isinstance(world, RefiningWorld), [world.decision()], False
     positions: list[int] = []
     steps: list[tuple[float, float, float, bool, bool]] = []
     while not ended:
         if not len(decisions[-1]):
             raise log.stuck()
         positions.append(policy.choose(decisions[-1], rng))
+        if is_refined:
+            decisions[-1] = world.decision()
         action = int(decisions[-1].indices[positions[-1]])
         _, reward, terminal, truncated, info = env.step(action)
         decisions.append(world.decision())

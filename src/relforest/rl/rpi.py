@@ -11,7 +11,7 @@ from typing import final
 from relforest.rl.configuration import check_world, restore_run
 from relforest.rl.experience import Experience
 from relforest.rl.learner import Knowledge, RPILearner
-from relforest.rl.policy import GreedyPolicy
+from relforest.rl.practice import ANYHOW, Practice
 from relforest.rl.rollout import Environment, rollout, world_of
 from relforest.rl.settings import RPISettings
 from relforest.rl.value import ValueFunction
@@ -20,6 +20,7 @@ from relforest.runs.store import CHECKPOINT, RunStore, read_checkpoint, read_run
 from relforest.scenes.arrays import FloatArray
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.locks import FolderLock
+from relforest.support.notebook import drawn
 from relforest.support.options import at_least
 from relforest.support.parallel import checked_jobs, one_blas_thread
 from relforest.support.progress import printed_to_stderr
@@ -44,6 +45,8 @@ class Evaluation:
     rewards: FloatArray
     durations: FloatArray
 
+    _repr_html_ = drawn
+
 
 @final
 class SMRFRPI:
@@ -63,6 +66,9 @@ class SMRFRPI:
     checkpoint : path, optional
         A run folder. Every iteration is written to it, and an interrupted run is resumed from it, with the
         same result.
+    practice : Practice, optional
+        How the world is practised and tested. Default: random play until something is known, in `env`, with a
+        search where the world offers it.
     verbose : bool
         Print the stage of the work to standard error, at most one line a second. `relforest.listening` passes
         the same reports to a function.
@@ -92,12 +98,15 @@ class SMRFRPI:
         random_state: RandomState = None,
         n_jobs: int = 1,
         checkpoint: str | os.PathLike[str] | None = None,
+        practice: Practice | None = None,
         verbose: bool = False,
     ) -> None:
         if not isinstance(verbose, bool):
             raise InputError(f"verbose must be True or False, got {verbose!r}")
         if settings is not None and not isinstance(settings, RPISettings):
             raise InputError(f"settings must be RPISettings(...), got {settings!r}")
+        if practice is not None and not isinstance(practice, Practice):
+            raise InputError(f"practice must be Practice(...), got {practice!r}")
         checked_jobs(n_jobs)
         world_of(env)
         self.env = env
@@ -107,7 +116,7 @@ class SMRFRPI:
         self._seed = seed_sequence(random_state)
         self._adopts_seed = random_state is None
         self._folder = None if checkpoint is None else Path(checkpoint)
-        self._learner = RPILearner(env, self.settings, self._seed, 0, 0, n_jobs)
+        self._learner = RPILearner(env, self.settings, self._seed, 0, 0, n_jobs, practice or ANYHOW)
         self._run: Run[Knowledge] | None = None
 
     @property
@@ -203,7 +212,8 @@ class SMRFRPI:
         """
         check_world(self.value_.schema, self.value_.action_types, env)
         with printed_to_stderr(self.verbose), one_blas_thread():
-            played = rollout(env, GreedyPolicy(self.value_), episodes, seed_sequence(seed))
+            policy = self._learner.practice.tested(env, self.value_)
+            played = rollout(env, policy, episodes, seed_sequence(seed))
         return Evaluation(played.episode_rewards, played.episode_durations)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -236,7 +246,9 @@ class SMRFRPI:
             store.write(self._run)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], env: Environment) -> SMRFRPI:
+    def load(
+        cls, path: str | os.PathLike[str], env: Environment, *, practice: Practice | None = None
+    ) -> SMRFRPI:
         """Read an agent from a run folder, even of a running or an interrupted run.
 
         Parameters
@@ -245,6 +257,8 @@ class SMRFRPI:
             A folder written by `save` or by learning with ``checkpoint``.
         env : gymnasium.Env
             A world with the same attributes and action types; the numbers of objects may differ.
+        practice : Practice, optional
+            How it goes on being practised.
 
         Returns
         -------
@@ -261,7 +275,7 @@ class SMRFRPI:
         """
         folder, checkpoint = Path(path), read_checkpoint(path)
         seed, settings, episodes = restore_run(checkpoint.configuration, folder)
-        agent = cls(env, settings=settings, random_state=seed)
+        agent = cls(env, settings=settings, random_state=seed, practice=practice)
         agent._learner = replace(agent._learner, episodes=episodes[0], test_episodes=episodes[1])
         agent._run = read_run(agent._learner, checkpoint, folder)
         return agent

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from relforest.scenes.angles import wrap
 from relforest.scenes.ids import IdArray, as_ids, plain
 from relforest.scenes.kernels import first_misfit
-from relforest.scenes.schema import Schema
+from relforest.scenes.schema import Schema, misfit
 from relforest.support.errors import InputError
 
 FloatArray = NDArray[np.float64]
@@ -158,7 +158,7 @@ def recoded(parts: SceneArrays, schema: Schema) -> SceneArrays:
         If the schemas differ otherwise, or an object's category is not among those of the other schema.
     """
     if not schema.resembles(parts.schema):
-        raise InputError(f"the model is for scenes with {schema}, these have {parts.schema}")
+        raise InputError(misfit(schema, parts.schema))
     matrix = parts.matrix.copy()
     for mine, theirs in zip(parts.schema.attributes, schema.attributes, strict=True):
         if mine.categories == theirs.categories:

@@ -22,6 +22,7 @@ from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
+from relforest.support.notebook import drawn
 
 _Key = int | np.integer | slice | ArrayLike
 
@@ -71,6 +72,8 @@ class Scenes:
     arguments: IntArray
     scene_ids: IdArray
     object_ids: IdArray
+
+    _repr_html_ = drawn
 
     def __init__(
         self,
@@ -129,13 +132,8 @@ class Scenes:
         low, high = (int(self.counts.min()), int(self.counts.max())) if len(self) else (0, 0)
         size = f"{low} objects" if low == high else f"{low} to {high} objects"
         size = "no objects" if high == 0 else size if len(self) == 1 else f"{size} each"
-        attributes = ", ".join(
-            f"{attribute.name} ({attribute.dim if attribute.kind == 'euclidean' else attribute.kind})"
-            for attribute in self.schema.attributes
-        )
-        arguments = f"; arguments {', '.join(self.schema.parameters)}" if self.schema.parameters else ""
         scenes = "1 scene" if len(self) == 1 else f"{len(self)} scenes"
-        return f"Scenes({scenes}, {size}; attributes {attributes}{arguments})"
+        return f"Scenes({scenes}, {size}; {self.schema.in_words})"
 
     def objects(self, scene: int) -> IntArray:
         """Return the positions in ``matrix`` of the objects of one scene, (counts[scene],)."""

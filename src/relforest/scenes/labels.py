@@ -76,9 +76,10 @@ def _coded_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[
     labels = _checked_labels(y, n_expected, what=what)
     classes, codes = np.unique(labels, return_inverse=True)
     if len(classes) < 2:
-        listed = ", ".join(map(str, classes)) or "none"
+        if not len(classes):
+            raise InputError(f"there are no {what} to learn from: labels of 2 classes are needed")
         raise InputError(
-            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {listed}"
+            f"labels of 2 classes are needed, but {len(labels)} {what} have only 1 class: {classes[0]}"
         )
     return classes, codes.astype(np.int64)
 

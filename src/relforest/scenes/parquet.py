@@ -81,7 +81,7 @@ def to_table(parts: SceneArrays) -> ArrowTable:
         pa.array(scenes),
         pa.array(rows, mask=rows < 0),
     ]
-    names = _column_names(parts.schema)
+    names = column_names(parts.schema)
     document = {"format": FORMAT, "version": VERSION, "schema": parts.schema.to_dict(), "columns": names}
     return pa.table(columns, names=names).replace_schema_metadata({_KEY: json.dumps(document).encode()})
 
@@ -120,7 +120,7 @@ def own_columns(file: TableFile) -> tuple[Schema, list[str]]:
     document = check_document(_parsed(file), format=FORMAT, version=VERSION, origin=file.origin)
     schema = Schema.from_dict(document.get("schema"))
     names = document.get("columns")
-    if names != _column_names(schema) or any(file.names.count(name) != 1 for name in names):
+    if names != column_names(schema) or any(file.names.count(name) != 1 for name in names):
         raise ModelFormatError(f"{file.origin} is damaged: its columns are not those of its schema")
     return schema, names
 
@@ -251,7 +251,7 @@ def _parsed(file: TableFile) -> Any:  # noqa: ANN401 - not checked yet
         raise ModelFormatError(f"{file.origin} has unreadable metadata: {error}") from error
 
 
-def _column_names(schema: Schema) -> list[str]:
+def column_names(schema: Schema) -> list[str]:
     """Return the names of ids, attributes, arguments and numbering, made unique by underscores."""
     wanted = ["scene", "object"]
     for attribute in schema.attributes:

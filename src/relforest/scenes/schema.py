@@ -225,6 +225,16 @@ class Schema:
         """Number of action arguments."""
         return len(self.parameters)
 
+    @property
+    def in_words(self) -> str:
+        """Attributes and arguments on one line, such as ``"attributes location (2); arguments holder"``."""
+        attributes = ", ".join(
+            f"{attribute.name} ({attribute.dim if attribute.kind == 'euclidean' else attribute.kind})"
+            for attribute in self.attributes
+        )
+        arguments = f"; arguments {', '.join(self.parameters)}" if self.parameters else ""
+        return f"attributes {attributes}{arguments}"
+
     def index(self, name: str) -> int:
         """Return the position of attribute ``name``.
 
@@ -290,6 +300,14 @@ class Schema:
             return cls(map(Attribute.from_dict, attributes), _strings(parameters, "parameters of the schema"))
         except InputError as error:
             raise ModelFormatError(str(error)) from error
+
+
+def misfit(wanted: Schema, given: Schema) -> str:
+    """Say that scenes are not those that a model is for, in full where a few words do not tell why."""
+    one, other = wanted.in_words, given.in_words
+    if one == other:
+        one, other = str(wanted), str(given)
+    return f"the model is for scenes with {one}, and these have {other}"
 
 
 def _check_name(what: str, name: object) -> None:

@@ -93,7 +93,7 @@ def check_moment(
         check_decision(decision, schema, action_types)
     except InputError as error:
         raise violation("decision", str(error)) from error
-    if not _same_decision(decision, world.decision()):
+    if not same_decision(decision, world.decision()):
         raise violation("decision", "two calls of decision() in the same state differ")
     if not len(decision) and not moment.is_terminal:
         raise violation("decision", "a state that is not terminal must offer an action")
@@ -135,7 +135,7 @@ def same_moment(one: Moment, other: Moment) -> bool:
         data_equivalence(one.observation, other.observation, exact=True)
         and one.outcome == other.outcome
         and all(one.info.get(name) == other.info.get(name) for name in ("duration", "discounted_reward"))
-        and _same_decision(one.decision, other.decision)
+        and same_decision(one.decision, other.decision)
     )
 
 
@@ -144,7 +144,8 @@ def is_finite(value: object) -> TypeGuard[float]:
     return isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _same_decision(one: Decision, other: Decision) -> bool:
+def same_decision(one: Decision, other: Decision) -> bool:
+    """Return whether two decisions are equal."""
     return (
         np.array_equal(one.objects, other.objects, equal_nan=True)
         and (one.n_private, one.remaining) == (other.n_private, other.remaining)

@@ -15,7 +15,7 @@ from relforest.rl.experience import Experience
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.scenes import Schema
-from relforest.smdp import ActionType, LockstepWorld, World
+from relforest.smdp import ActionType, LockstepWorld, RefiningWorld, World
 from relforest.support.errors import InputError
 from relforest.support.options import at_least, between
 from relforest.support.progress import report
@@ -26,10 +26,12 @@ from relforest.testing.moments import (
     first_moment,
     is_finite,
     next_moment,
+    same_decision,
     same_moment,
     violation,
     walk,
 )
+from relforest.testing.refining import ask
 
 MOST_STEPS: Final = 100_000
 """All moments are kept in memory, to be compared with a second run."""
@@ -84,6 +86,9 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
     - ``action``: a Python integer, a NumPy integer and a zero-dimensional NumPy array, which learners all
       use, have the same effect.
     - ``lockstep``: in a `LockstepWorld`, three episodes with random actions are the same together and alone.
+    - ``refine``: a `RefiningWorld` only appends, as `check_refined` says, and the decision stays as it should
+      be; it offers no place twice, ends, answers an empty question with nothing new, accepts the new actions,
+      forgets them with the next step, and the same questions give the same answers.
 
     Examples
     --------
@@ -105,6 +110,10 @@ def check_world(make_env: MakeEnv, *, seed: int = 0, steps: int = 50) -> None:
             raise violation("determinism", f"two runs with seed {seed} differ at moment {number}")
     _check_integers(make_env, seed)
     _check_lockstep(make_env, seed)
+    if isinstance(env.unwrapped, RefiningWorld):
+        answers = [ask(_make(make_env), seed) for _ in range(2)]
+        if not all(map(same_decision, *answers)):
+            raise violation("refine", f"two runs with seed {seed} differ after the same questions")
 
 
 def _check_integers(make_env: MakeEnv, seed: int) -> None:

@@ -11,6 +11,7 @@ from relforest.scenes import Schema
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError
 from relforest.support.files import check_document
+from relforest.support.notebook import drawn
 from relforest.trees.node_json import node_from_dict, node_to_dict
 from relforest.trees.nodes import AnyLeaf, ClassLeaf, Instantiation, Leaf, Node, Question, shifted
 from relforest.trees.packing import PackedTree, pack
@@ -61,6 +62,8 @@ class Tree:
     """Number of variables bound at each node."""
     packed: PackedTree = field(init=False)
     """The tree as arrays, for kernels."""
+
+    _repr_html_ = drawn
 
     def __post_init__(self) -> None:
         bound, above = check_structure(self.schema, self.nodes)

@@ -10,6 +10,7 @@ import numpy as np
 
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError
+from relforest.support.notebook import drawn
 from relforest.support.options import in_range
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ class Arc:
     mean: float
     radius: float
     kappa: float
+
+    _repr_html_ = drawn
 
     @property
     def dim(self) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 
 from relforest.support.errors import InputError
 from relforest.support.jit import kernel
+from relforest.support.notebook import drawn
 from relforest.support.options import one_of
 from relforest.volumes.aggregation import Found, Problem, aggregate_keys
 from relforest.volumes.arc import Arc
@@ -53,6 +54,8 @@ class Aggregation:
     volume: Volume
     score: float
     n_models: int
+
+    _repr_html_ = drawn
 
 
 def aggregate(

@@ -12,6 +12,7 @@ from scipy.linalg import solve_triangular
 
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.notebook import drawn
 from relforest.support.options import at_least, in_range
 
 if TYPE_CHECKING:
@@ -60,6 +61,8 @@ class Ellipsoid:
     radius: float
     n_keys: int
     prior_weight: float
+
+    _repr_html_ = drawn
 
     @property
     def dim(self) -> int:

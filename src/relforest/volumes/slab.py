@@ -9,6 +9,7 @@ import numpy as np
 
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError
+from relforest.support.notebook import drawn
 from relforest.support.options import between
 from relforest.volumes.ellipsoid import Ellipsoid
 
@@ -36,6 +37,8 @@ class Slab:
     interval: Ellipsoid
     axis: int
     dim: int
+
+    _repr_html_ = drawn
 
     @property
     def radius(self) -> float:

@@ -3,7 +3,7 @@ from __future__ import annotations
 from itertools import product
 
 from relforest.experiments.outcomes.analysis import METHODS, figures, summarize
-from relforest.experiments.outcomes.settings import LARGE, OURS, SIZES, SMALL, TASKS
+from relforest.experiments.outcomes.settings import BALANCE, KEEPAWAY, LARGE, OURS, SIZES, SMALL, TASKS
 from relforest.experiments.table import Row, Table
 
 
@@ -67,3 +67,27 @@ def test_the_loss_by_the_threshold_is_listed() -> None:
 
 def test_figures_have_a_panel_per_task() -> None:
     assert [len(figure.axes) for figure in figures(table(0.7)).values()] == [3, 3]
+
+
+def protocol_rows(task: str, trained: str, tested: str, scores: list[float]) -> list[Row]:
+    head: Row = {"part": "protocol", "task": task, "draw": 0, "trained": trained, "tested": tested}
+    return [{**head, "method": "25 + 25", "measure": "pss", "value": score} for score in scores]
+
+
+def test_statements_of_the_source_are_tested() -> None:
+    sheet = summarize(
+        Table.of(
+            [
+                *protocol_rows(KEEPAWAY, LARGE, LARGE, [0.3, 0.32, 0.31]),
+                *protocol_rows(KEEPAWAY, SMALL, LARGE, [0.5, 0.52, 0.51]),
+                *protocol_rows(BALANCE, SMALL, LARGE, [0.1, -0.1, 0.05]),
+            ]
+        )
+    ).parts[0]
+    verdicts = {str(row[0]): row[3] for row in sheet.rows}  # type: ignore[union-attr]
+
+    assert verdicts == {
+        "balance scale, small to large scenes: above chance": "does not hold",
+        "keepaway pass, small to large scenes: above chance": "holds",
+        "keepaway, 4 against 3: better predicted by a forest from 3 against 2 (its lead)": "holds",
+    }

@@ -45,6 +45,17 @@ def test_a_move_binds_the_block_and_the_virtual_object_of_its_target() -> None:
     assert offer.arguments.tolist() == [[0, -1], [1, -1], [0, 2], [1, 3], [-1, -1]]
 
 
+def test_moves_to_reserved_targets_come_last() -> None:
+    actions = flat_actions(ARCH_ACTIONS, 2, 3, 2)
+    assert actions.types.tolist() == [0, 0, 1, 1, 1, 2, 1, 1]
+    movers = np.array([0, 0, 1, 1, 0])
+    before = actions.offer(np.array([True, True, True, False, True, False, False]), movers)
+    after = actions.offer(np.array([True, True, True, False, True, True, False]), movers)
+    # All others keep their positions, numbers and objects.
+    assert after.indices.tolist() == [*before.indices, 6]
+    assert after.arguments.tolist() == [*before.arguments.tolist(), [1, 4]]
+
+
 def test_what_is_offered_again_is_the_same_and_what_changes_is_not() -> None:
     actions = flat_actions(ARCH_ACTIONS, 2, 3)
     present, movers = np.ones(5, dtype=np.bool_), np.array([0, 0, 1])

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import copy
 import pickle
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from gymnasium.utils.env_checker import check_env
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.rollout import experience_of
 from relforest.scenes import Scenes, Schema
-from relforest.smdp import Decisions, Outcomes
+from relforest.smdp import Decisions, Outcomes, check_refined
 from relforest.support.errors import InputError
 from relforest.testing import check_world
 from relforest.worlds.blocks.arm import OptionResult
@@ -79,7 +80,7 @@ def test_gymnasiums_own_check_passes_without_a_warning(identifier: str) -> None:
         ("relforest/ColorGrouping-v0", {"distance": "rgb", "n_blocks": 7, "max_actions": 2}),
         ("relforest/Arch-v0", {}),
         ("relforest/Arch-v0", {"sampler": "training"}),
-        ("relforest/Arch-v0", {"sampler": "expert", "n_blocks": 4}),
+        ("relforest/Arch-v0", {"pays": "end", "n_blocks": 4}),
     ],
 )
 def test_the_tasks_are_worlds(identifier: str, options: Mapping[str, Any]) -> None:
@@ -133,7 +134,7 @@ def test_a_put_without_noise_by_hand() -> None:
 
 
 def test_only_done_is_paid_for_an_arch() -> None:
-    env = arch_env(handling=EXACT, sampler="expert")
+    env = arch_env(handling=EXACT)
     half = (4.0, 2.0)
     staged(env, (half, (-5, 4, UPRIGHT)), (half, (5, 4, UPRIGHT)), (half, (25, 2, 0)))
     assert env.moment.score == 0.0
@@ -165,6 +166,98 @@ def test_an_arch_of_the_last_action_is_told_but_not_paid() -> None:
     _, reward, terminated, truncated, info = env.perform("move", env.state.ids[2], 0.0)
     assert (reward, terminated, truncated) == (0.0, False, True)
     assert info["arch_score"] == pytest.approx(48.0, abs=0.5)
+
+
+def test_the_last_action_is_paid_where_the_end_pays() -> None:
+    env = arch_env(handling=EXACT, max_actions=2, pays="end")
+    half = (4.0, 2.0)
+    staged(env, (half, (-5, 4, UPRIGHT)), (half, (5, 4, UPRIGHT)), (half, (25, 2, 0)))
+    assert env.perform("move", env.state.ids[2], 0.0)[1:4] == (0.0, False, False)
+    again = env.perform("move", env.state.ids[2], 0.0)
+    assert again[1] == again[4]["arch_score"] > 40.0
+    assert again[3]
+    env.reset(seed=0)
+    # Also where the last action says so.
+    assert env.step(24)[1:3] == (0.0, True)
+
+
+def test_targets_near_moves_by_hand() -> None:
+    env = arch_env(n_blocks=3)
+    staged(env, *(((2.0, 2.0), (x, 2.0, 0.0)) for x in (0.0, 10.0, 30.0)))
+    before, first = env.decision(), env.state.ids[0]
+    # Rotate the first block; move it onto the second, to 10; half way there, to 5.
+    asked = np.array([0, 4, 6])
+    after = env.refine(asked)
+    assert [env.command(int(position)).arguments[1:] for position in asked] == [
+        (),
+        pytest.approx((10.0,), abs=0.1),
+        pytest.approx((5.0,), abs=0.1),
+    ]
+    # From 10: half way to 30 is between the others, which is offered already; a tenth away from it is 8. From
+    # 5: half way to 10 and 30, and a tenth away from them.
+    added = after.objects[before.n_objects :, 0]
+    np.testing.assert_allclose(added, [8.0, 7.5, 17.5, 4.5, 2.5], atol=0.1)
+    assert after.types[len(before) :].tolist() == [1] * 5
+    assert after.arguments[len(before) :].tolist() == [[0, before.n_objects + i] for i in range(5)]
+    check_refined(before, after)
+    assert env.refine(asked) is after
+    np.testing.assert_array_equal(np.flatnonzero(env.action_masks()), np.sort(after.indices))
+    # It can be taken.
+    assert env.command(len(after) - 1).arguments == pytest.approx((first, 2.5), abs=0.1)
+    env.step(after.indices[-1])
+    assert env._caption().startswith(f"move({first}")
+    with pytest.raises(InputError, match="position must name one of"):
+        env.refine(np.array([999]))
+
+
+def test_only_so_many_targets_are_added_and_one_slot_is_left_for_a_policy() -> None:
+    env = arch_env()
+    env.reset(seed=0)
+    for _ in range(30):
+        env.refine(np.flatnonzero(env.decision().types == 1))
+    assert env.moment.targets.free == 1
+    n_before = len(env.decision())
+    position = env.offer_move(1, 12.34567)
+    assert position == n_before
+    assert env.command(position).arguments == pytest.approx((1, 12.34567))
+    assert env.offer_move(1, 12.34567) == position
+    with pytest.raises(InputError, match=r"a move of block 1 to 3\.21 cannot be offered in arch"):
+        env.offer_move(1, 3.21)
+    env.step(env.decision().indices[position])
+    assert env.moment.targets.free == 81
+
+
+@pytest.mark.parametrize(
+    ("block", "x", "message"),
+    [(3, 0.0, "block must be an integer from 0 to 2"), (0, float("nan"), "x must be a finite number")],
+)
+def test_a_move_that_is_impossible_is_not_offered(block: int, x: float, message: str) -> None:
+    env = arch_env()
+    env.reset(seed=0)
+    before = env.decision()
+    with pytest.raises(InputError, match=message):
+        env.offer_move(block, x)
+    assert env.decision() is before
+
+
+def test_without_moves_there_is_nothing_to_refine() -> None:
+    env = high_towers_env()
+    env.reset(seed=0)
+    before = env.decision()
+    assert env.refine(np.arange(len(before))) is before
+    with pytest.raises(InputError, match="cannot be offered in high-towers"):
+        env.offer_move(0, 1.0)
+
+
+def test_a_copy_knows_what_was_added_and_goes_on_with_it() -> None:
+    env = arch_env()
+    env.reset(seed=0)
+    action = env.decision().indices
+    after = env.refine(np.flatnonzero(env.decision().types == 1)[:2])
+    assert len(after) > len(action)
+    other = copy.deepcopy(env)
+    one, two = (each.step(after.indices[-1]) for each in (env, other))
+    assert one[0]["location"].tobytes() == two[0]["location"].tobytes()
 
 
 def test_done_without_an_arch_earns_nothing() -> None:
@@ -239,8 +332,8 @@ def test_info_describes_state_and_choices() -> None:
     assert "duration" not in info
     scene = info["scene"]
     assert isinstance(scene, Scenes)
-    # At most 3 blocks and 7 targets for each.
-    assert observation["location"].shape == (24, 2)
+    # At most 3 blocks, 7 targets for each, and 4 near each of 20 of them and one of a policy's own.
+    assert observation["location"].shape == (105, 2)
     decision = env.decision()
     assert observation["mask"].sum() == decision.n_objects > 3
     # Targets are private to the moves that go there: they are in the observation, but not in the scene.
@@ -422,6 +515,7 @@ def test_a_far_away_target_is_given_up() -> None:
         ),
         (color_grouping_env, {"distance": "lab"}, "distance must be one of"),
         (arch_env, {"sampler": "all"}, "sampler must be one of"),
+        (arch_env, {"pays": "change"}, "pays must be one of 'done', 'end', got 'change'"),
         (arch_env, {"size": (0.0, 4.0)}, "size must be a number of at least 0.02 and of at most 10, got 0.0"),
         (high_towers_env, {"sides": (4.0, 2.0)}, "sides must be the smallest and the largest side"),
         (high_towers_env, {"sides": 4.0}, "sides must be two lengths, got 4.0"),

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import gymnasium
@@ -11,10 +11,10 @@ import pytest
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.worlds import environment_id
-from relforest.worlds.blocks.arch_policies import CarefulPolicy, TrainerPolicy
+from relforest.worlds.blocks.arch_policies import CarefulPolicy
 from relforest.worlds.blocks.color_policy import ColorPolicy
 from relforest.worlds.blocks.env import arch_env
-from relforest.worlds.blocks.moment import Observer
+from relforest.worlds.blocks.moment import Moment, Observer
 from relforest.worlds.blocks.policies import POLICIES, Policy, RandomPolicy, make_policy
 from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import Task, arch, color_grouping, high_towers
@@ -28,17 +28,36 @@ RED, PINK, BLUE, GREEN = (1.0, 0.0, 0.0), (1.0, 0.3, 0.3), (0.0, 0.0, 1.0), (0.0
 class StagedWorld:
     task: Task
     state: BlocksState
+    asked: list[tuple[int, float]] = field(default_factory=list)
 
     def decision(self) -> Decision:
+        return self._look()[1].decision
+
+    def offer_move(self, block: int, x: float) -> int:
+        self.asked.append((block, x))
+        watcher, moment = self._look()
+        position = watcher.move(moment, block, x)
+        assert position is not None
+        return position
+
+    def _look(self) -> tuple[Observer, Moment]:
         watcher = Observer(self.task, len(self.state))
         watcher.begin(self.state.ids)
-        return watcher.look(self.state, 5).decision
+        return watcher, watcher.with_moves(watcher.look(self.state, 5), self.asked)
 
 
 def chosen(policy: Policy, world: StagedWorld, seed: int = 0) -> tuple[str, tuple[int, ...]]:
-    decision = world.decision()
-    action = decision.action(policy.choose(decision, np.random.default_rng(seed)))
+    world.asked.clear()
+    position = policy.choose(world.decision(), np.random.default_rng(seed))
+    action = world.decision().action(position)
     return world.task.action_types[action.type].name, action.arguments
+
+
+def move_of(world: StagedWorld) -> tuple[int, float]:
+    """Return what the careful policy moves: a block, and the x that it goes to."""
+    name, (block, target) = chosen(CarefulPolicy(world), world)
+    assert name == "move"
+    return block, float(world.decision().objects[target, 0])
 
 
 def towers(state: BlocksState) -> StagedWorld:
@@ -49,8 +68,8 @@ def grouping(state: BlocksState) -> StagedWorld:
     return StagedWorld(color_grouping(), state)
 
 
-def arches(state: BlocksState, sampler: str = "expert") -> StagedWorld:
-    return StagedWorld(arch(sampler), state)
+def arches(state: BlocksState) -> StagedWorld:
+    return StagedWorld(arch("training"), state)
 
 
 def test_the_random_policy_chooses_types_by_their_weights_and_objects_uniformly() -> None:
@@ -146,14 +165,9 @@ def test_the_careful_policy_rotates_then_spaces_then_tops_then_is_done() -> None
     half = staged((LONG, (-20, 2, 0)), (LONG, (0, 4, UPRIGHT)), (LONG, (20, 2, 0)))
     assert chosen(CarefulPolicy(arches(half)), arches(half)) == ("rotate", (2,))
     apart = staged((LONG, (-20, 2, 0)), (LONG, (0, 4, UPRIGHT)), (LONG, (20, 4, UPRIGHT)))
-    name, (block, target) = chosen(CarefulPolicy(arches(apart)), arches(apart))
     # To 10 or from 0 to 10: supports ten apart.
-    assert (name, block) == ("move", 1)
-    assert arches(apart).decision().objects[target, 0] == pytest.approx(10.0)
-    ready = portal(contacts=False)
-    name, (block, target) = chosen(CarefulPolicy(arches(ready)), arches(ready))
-    assert (name, block) == ("move", 2)
-    assert arches(ready).decision().objects[target, 0] == pytest.approx(0.0)
+    assert move_of(arches(apart)) == pytest.approx((1, 10.0))
+    assert move_of(arches(portal(contacts=False))) == pytest.approx((2, 0.0))
     assert chosen(CarefulPolicy(arches(portal())), arches(portal())) == ("done", ())
     assert chosen(CarefulPolicy(arches(row(0.0))), arches(row(0.0))) == ("done", ())
 
@@ -172,35 +186,18 @@ def test_the_trainer_errs_as_often_as_it_should() -> None:
     assert ends.count("done") / 2000 == pytest.approx(0.45 + 0.01, abs=0.045)
 
 
-def test_the_trainer_explores_what_the_training_sampler_offers() -> None:
-    state = portal()
-    world = arches(state)
-    decision = world.decision()
-    # 5 targets for each block, and the plan's, which comes last of the moves.
-    moves = np.flatnonzero(decision.types == 1)
-    assert len(moves) == 16
-
-    @dataclass(frozen=True)
-    class Watched:
-        def choose(self, offered: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002
-            assert offered.indices.tolist() == [
-                i for i in decision.indices if i != decision.indices[moves[-1]]
-            ]
-            return len(offered) - 1
-
-    trainer = TrainerPolicy(world, Watched())
-    # The seed is one whose first number is below 0.1.
-    seed = next(seed for seed in range(100) if np.random.default_rng(seed).random() < 0.1)
-    assert chosen(trainer, world, seed) == ("done", ())
-
-
-def test_without_the_experts_targets_the_arch_policies_name_the_remedy() -> None:
-    state = portal(contacts=False)
-    for sampler in ("test", "training"):
-        world = arches(staged((LONG, (-20, 2, 0)), (LONG, (0, 4, UPRIGHT)), (LONG, (23, 4, 1.5))), sampler)
-        with pytest.raises(InputError, match=r'make the environment with sampler="expert"'):
-            chosen(CarefulPolicy(world), world)
-    assert chosen(CarefulPolicy(arches(state)), arches(state))[0] == "move"
+def test_the_trainer_asks_for_its_move_only_when_it_takes_it() -> None:
+    # Supports that are 23 apart; the plan's move to 10 from each other is nowhere near a sampled target.
+    world = arches(staged((LONG, (-20, 2, 0)), (LONG, (0, 4, UPRIGHT)), (LONG, (23, 4, 1.5))))
+    offered = len(world.decision())
+    trainer, names = make_policy("trainer", world), []
+    for seed in range(200):
+        name, arguments = chosen(trainer, world, seed)
+        # 3 objects, and 15 targets of the training sampler: the plan's is the last object of all.
+        assert bool(world.asked) == (name == "move" and arguments[1] == 18)
+        assert len(world.decision()) == offered + bool(world.asked)
+        names.append(name)
+    assert {"move", "done", "rotate"} == set(names)
 
 
 def test_all_policies_can_be_made_by_name() -> None:

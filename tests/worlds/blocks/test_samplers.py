@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from relforest.support.errors import InputError
-from relforest.worlds.blocks.plan import arch_plan
 from relforest.worlds.blocks.samplers import SAMPLERS, Targets, nearby_targets, target_sampler
 from relforest.worlds.blocks.state import BlocksState
 from worlds.blocks.staged_blocks import LONG, UPRIGHT, row, staged
@@ -40,13 +39,19 @@ def test_the_training_sampler_by_hand() -> None:
     assert targets.x[10:] == pytest.approx([10, -9, 14, 9, 26])
 
 
-def test_the_expert_sampler_adds_the_next_move_of_the_plan() -> None:
-    state = row(0.0, 10.0, 30.0)
-    plan = arch_plan(state)
-    assert plan is not None
-    training, expert = sampled("training", state), sampled("expert", state)
-    np.testing.assert_array_equal(expert.x[:-1], training.x)
-    assert (expert.slots[-1], expert.x[-1]) == (plan.block, plan.x)
+def test_more_targets_take_the_free_slots_in_order_and_none_twice() -> None:
+    targets = sampled("test", row(0.0, 10.0)).with_reserved(3)
+    # Onto, half way and away for each of the two; nothing in the slots that are free.
+    np.testing.assert_allclose(targets.x, [10, 5, -1, 0, 5, 11, NAN, NAN, NAN])
+    assert targets.also(1, 5.0) is targets
+    assert targets.also(1, 5.0 + 1e-12) is targets
+    found = targets.also(1, 7.0).also(0, 7.0)
+    np.testing.assert_allclose(found.x[6:], [7, 7, NAN])
+    assert (found.slots[6:8].tolist(), found.free) == ([1, 0], 1)
+    assert (found.place(0, 7.0), found.place(0, 8.0), targets.place(0, 7.0)) == (7, None, None)
+    assert found.also(0, 8.0, n_kept=1) is found
+    full = found.also(0, 8.0)
+    assert full.also(0, 9.0) is full
 
 
 def test_what_depends_on_a_lost_block_is_no_candidate() -> None:
@@ -54,8 +59,6 @@ def test_what_depends_on_a_lost_block_is_no_candidate() -> None:
     targets = sampled("test", row(0.0, 30.0), slots=[0, 2], n=3)
     expected = [NAN, NAN, 30, NAN, 15, NAN, -3, *[NAN] * 7, NAN, 0, NAN, 15, NAN, 33, NAN]
     np.testing.assert_allclose(targets.x, expected)
-    expert = sampled("expert", row(0.0, 30.0), slots=[0, 2], n=3)
-    assert np.isnan(expert.x[-1])
 
 
 def test_a_target_is_offered_once_per_block() -> None:
@@ -81,5 +84,5 @@ def test_a_search_goes_on_towards_and_away() -> None:
 
 
 def test_an_unknown_sampler_is_an_error() -> None:
-    with pytest.raises(InputError, match="sampler must be one of 'test', 'training', 'expert', got 'x'"):
+    with pytest.raises(InputError, match="sampler must be one of 'test', 'training', got 'x'"):
         target_sampler("x")

@@ -41,7 +41,7 @@ def world(part: str, condition: str) -> BlocksEnv:
         return high_towers_env()
     if part == settings.GROUPS:
         return color_grouping_env(distance="rgb" if condition in _NAMES else "ciede2000")
-    return arch_env(sampler="test" if condition == settings.RANDOM else "expert")
+    return arch_env(sampler="test" if condition == settings.RANDOM else "training")
 
 
 def play(env: BlocksEnv, condition: str, seed: np.random.SeedSequence) -> Measures:

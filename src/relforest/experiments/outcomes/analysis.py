@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.outcomes.run import compute
+from relforest.experiments.outcomes.run import compute, unavailable
 from relforest.experiments.outcomes.settings import (
     BALANCE,
     CURVE,
-    KEEPAWAY,
     LARGE,
+    OF_2012,
     OURS,
     RIVALS,
     SETTINGS,
@@ -27,15 +27,19 @@ from relforest.experiments.outcomes.settings import (
     SMRF,
     TASKS,
 )
+from relforest.experiments.outcomes.statements import statements
 from relforest.experiments.registry import heading
 from relforest.experiments.samples import Samples
 from relforest.experiments.sheets import Estimate, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
-from relforest.metrics import SampleMoments, two_sample_p_value
-from relforest.reports.style import INK, MARKERS, SERIES, styled
+from relforest.reports.style import BLUE, GOLD, GREEN, GREY, INK, MARKERS, ORANGE, PINK, SERIES, mixed, styled
 
-METHODS: Final = (OURS, SMRF, *RIVALS)
+METHODS: Final = (OURS, SMRF, OF_2012, *RIVALS)
+# SMRF trees in lighter shades of our color; rivals in others.
+_SHADES: Final = dict(
+    zip(METHODS, (BLUE, mixed(BLUE, 0.6), mixed(BLUE, 0.3), ORANGE, GOLD, GREY, PINK, GREEN), strict=True)
+)
 DIRECTIONS: Final = tuple(product(SIZES, SIZES))
 _HARD: Final = tuple(task for task in TASKS if task != BALANCE)
 
@@ -50,8 +54,8 @@ def summarize(table: Table) -> Findings:
     samples = Samples.of(table, "part", "task", "trained", "tested", "method", "measure")
     return Findings(
         "",
-        tuple(_claims(samples)),
-        tuple(sheet for sheet in (_scores(samples), _protocol(samples), _trees(samples)) if sheet.rows),
+        tuple(_claims(samples)) if samples.below("models") else (),
+        tuple(sheet for sheet in (_scores(samples), statements(samples), _trees(samples)) if sheet.rows),
     )
 
 
@@ -69,21 +73,25 @@ def _claims(samples: Samples) -> Iterator[Claim]:
         low=0.0,
     )
     if all(len(samples["models", task, SMALL, LARGE, OURS, "pss"]) for task in _HARD):
-        means = {method: _transfer(samples, method) for method in METHODS}
-        lead = means[OURS] - max(means[rival] for rival in RIVALS)
+        means = {method: _transfer(samples, method) for method in (OURS, *RIVALS)}
+        lead = means.pop(OURS) - np.nanmax(list(means.values()))
         yield Claim(
-            "lead over the best rival, both directions of transfer, mean of two tasks", lead, low=LEAST_LEAD
+            "lead over the best rival, both directions of transfer, mean of two tasks",
+            float(lead),
+            low=LEAST_LEAD,
         )
         mean = np.mean([samples.mean(("models", task, SMALL, LARGE, OURS, "pss")).value for task in _HARD])
         yield Claim("PSS from small to large scenes, mean of two tasks", float(mean), low=LEAST_TRANSFER)
-    balance = samples.mean(("models", BALANCE, SMALL, LARGE, OURS, "pss")).value
-    yield Claim("balance scale: PSS from small to large scenes", balance, low=LEAST_BALANCE)
+    balance = samples["models", BALANCE, SMALL, LARGE, OURS, "pss"]
+    if len(balance):
+        name = "balance scale: PSS from small to large scenes"
+        yield Claim(name, float(balance.mean()), low=LEAST_BALANCE)
     chances = [
         float(samples[key].max())
         for key in product(["models"], TASKS, SIZES, SIZES, [OURS], ["log10 p"])
         if len(samples[key])
     ]
-    yield Claim("largest log10 p of a test against chance", max(chances), high=MOST_LOG10_P)
+    yield Claim("largest log10 p of a test against chance", max(chances, default=np.nan), high=MOST_LOG10_P)
 
 
 def _transfer(samples: Samples, method: str) -> float:
@@ -126,28 +134,6 @@ def _scores(samples: Samples) -> Sheet:
     return Sheet(caption, columns, tuple(rows))
 
 
-def _protocol(samples: Samples) -> Sheet:
-    """List the source's statements about forests of SMRF trees, and what is found here."""
-    largest = f"{CURVE[-1]} + {CURVE[-1]}"
-    rows: list[tuple[str, str, Estimate]] = []
-    for task, direction in product(TASKS, DIRECTIONS):
-        found = samples["protocol", task, *direction, largest, "pss"]
-        if len(found):
-            rows.append((TASKS[task], " -> ".join(direction), Estimate.of(found)))
-    own, transferred = (
-        samples["protocol", KEEPAWAY, trained, LARGE, largest, "pss"] for trained in (LARGE, SMALL)
-    )
-    p = float("nan")
-    if min(len(own), len(transferred)) > 1:
-        p = two_sample_p_value(SampleMoments.of(own), SampleMoments.of(transferred))
-    caption = (
-        f"The source's experiment: {largest} SMRF trees, linear machine on a second set (+-: 95 % of\n"
-        "the mean over draws). The source predicts 4 against 3 better from 3 against 2; two-tailed p of the\n"
-        f"difference: {p:.2g}"
-    )
-    return Sheet(caption, {"task": "", "scenes": "", "PSS": ".3f"}, tuple(rows))
-
-
 def _trees(samples: Samples) -> Sheet:
     rows = []
     for task, size in product(TASKS, SIZES):
@@ -166,17 +152,19 @@ def figures(table: Table) -> Mapping[str, Figure]:
 
 def _bars(samples: Samples) -> Figure:
     figure = Figure(figsize=(7.6, 6.4), layout="constrained")
+    width = 0.85 / len(METHODS)
     for axes, task in zip(figure.subplots(len(TASKS), sharex=True), TASKS, strict=True):
         for place, method in enumerate(METHODS):
             found = [samples.mean(("models", task, *way, method, "pss")) for way in DIRECTIONS]
-            at = np.arange(len(DIRECTIONS)) + (place - 2) * 0.16
+            at = np.arange(len(DIRECTIONS)) + (place - (len(METHODS) - 1) / 2) * width
             spreads = [each.spread or 0.0 for each in found]
-            axes.bar(at, [each.value for each in found], 0.15, yerr=spreads, color=SERIES[place], ecolor=INK)
+            heights = [each.value for each in found]
+            axes.bar(at, heights, 0.92 * width, yerr=spreads, color=_SHADES[method], ecolor=INK)
         axes.set_title(TASKS[task], loc="left")
         axes.set_ylabel("PSS")
         axes.set_ylim(0, 1)
     axes.set_xticks(range(len(DIRECTIONS)), [f"{a} \N{RIGHTWARDS ARROW} {b}" for a, b in DIRECTIONS])
-    figure.legend(METHODS, loc="outside lower center", ncols=len(METHODS))
+    figure.legend(METHODS, loc="outside lower center", ncols=len(METHODS) // 2)
     return figure
 
 
@@ -209,5 +197,6 @@ STUDY: Final = Study(
     compute,
     summarize,
     figures,
-    choices={"datasets": lambda setting: setting.task},
+    choices={"datasets": lambda setting: setting.task, "methods": lambda setting: setting.part},
+    unavailable=unavailable,
 )

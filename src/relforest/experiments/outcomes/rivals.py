@@ -15,7 +15,7 @@ from sklearn.svm import SVC
 from threadpoolctl import threadpool_limits
 
 from relforest.experiments.outcomes.scenes import Labelled
-from relforest.experiments.outcomes.settings import RIVALS
+from relforest.experiments.outcomes.settings import POOLED
 from relforest.forests.bindings import bindings, column_values
 from relforest.forests.columns import columns
 from relforest.scenes import Scenes
@@ -105,5 +105,5 @@ def _machine(known: Labelled, seed: int) -> Scores:  # noqa: ARG001 - nothing ra
     return lambda scenes: chosen.decision_function(padded(scenes))
 
 
-LEARNERS: Final[Mapping[str, Learner]] = dict(zip(RIVALS, (_boosting, _forest, _machine), strict=True))
+LEARNERS: Final[Mapping[str, Learner]] = dict(zip(POOLED, (_boosting, _forest, _machine), strict=True))
 """All say yes from the share of positive training scenes on, or count both classes alike."""

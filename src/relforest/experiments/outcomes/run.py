@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from importlib.util import find_spec
 from time import process_time
 
 import numpy as np
@@ -11,16 +14,18 @@ from scipy.special import logit
 from scipy.stats import norm
 from sklearn.metrics import roc_auc_score, roc_curve
 
+from relforest.experiments.outcomes.networks import NETWORKS
 from relforest.experiments.outcomes.protocol import repeated
 from relforest.experiments.outcomes.rivals import LEARNERS, Learner, Scores
 from relforest.experiments.outcomes.scenes import TESTING, TRAINING, Labelled, drawn
-from relforest.experiments.outcomes.settings import OURS, SIZES, SMRF, OutcomeSetting
-from relforest.experiments.study import Context
+from relforest.experiments.outcomes.settings import OF_2012, OURS, SIZES, SMRF, OutcomeSetting
+from relforest.experiments.study import Context, Unavailable
 from relforest.experiments.table import Row
 from relforest.forests import OutcomeForestClassifier
 from relforest.metrics import peirce_skill_score
-from relforest.support.progress import part
+from relforest.support.progress import part as progress_of
 from relforest.trees import TreeSettings
+from relforest.volumes import CovAggSettings
 
 
 def compute(setting: OutcomeSetting, context: Context) -> list[Row]:
@@ -35,24 +40,43 @@ def compute(setting: OutcomeSetting, context: Context) -> list[Row]:
     sets = {
         (size, which): drawn(setting, context, size, which) for size in SIZES for which in (TRAINING, TESTING)
     }
-    is_protocol = setting.part == "protocol"
-    rows = repeated(setting, sets, context.stream) if is_protocol else _compared(setting, sets, context)
-    return [{"part": setting.part, "task": setting.task, "draw": setting.draw, **each} for each in rows]
+    if setting.part == "protocol":
+        part, rows = "protocol", repeated(setting, sets, context.stream)
+    else:
+        part, rows = "models", _compared(_learners(setting), sets, context)
+    return [{"part": part, "task": setting.task, "draw": setting.draw, **each} for each in rows]
+
+
+def unavailable(settings: Sequence[OutcomeSetting]) -> Mapping[OutcomeSetting, Unavailable]:
+    """Return the settings with neural networks, unless PyTorch is installed."""
+    if find_spec("torch") is not None:
+        return {}
+    why = Unavailable("neural networks", "PyTorch is not installed: install the extra 'relforest[bench]'.")
+    return {setting: why for setting in settings if setting.part == "networks"}
+
+
+def _learners(setting: OutcomeSetting) -> Mapping[str, Learner]:
+    if setting.part == "networks":
+        return NETWORKS
+    published = TreeSettings()
+    of_2012 = replace(published, covagg=CovAggSettings(learner="diverse-density"))
+    return {
+        OURS: outcome_forest,
+        SMRF: partial(outcome_forest, smrf_trees=setting.smrf_trees, growth=published),
+        OF_2012: partial(outcome_forest, smrf_trees=setting.smrf_trees, growth=of_2012),
+        **LEARNERS,
+    }
 
 
 def _compared(
-    setting: OutcomeSetting, sets: dict[tuple[str, int], Labelled], context: Context
+    learners: Mapping[str, Learner], sets: dict[tuple[str, int], Labelled], context: Context
 ) -> Iterator[Row]:
-    learners: dict[str, Learner] = {
-        OURS: outcome_forest,
-        SMRF: lambda known, seed: outcome_forest(known, seed, setting.smrf_trees),
-        **LEARNERS,
-    }
     seed = int(context.stream.generate_state(1)[0])
-    _compile_kernels(sets[SIZES[0], TRAINING])
+    if OURS in learners:
+        _compile_kernels(sets[SIZES[0], TRAINING])
     for trained in SIZES:
         for method, learner in learners.items():
-            with part(f"{method}, {trained} scenes"):
+            with progress_of(f"{method}, {trained} scenes"):
                 begin = process_time()
                 scores = learner(sets[trained, TRAINING], seed)
                 seconds = process_time() - begin
@@ -88,11 +112,13 @@ def measures(labels: NDArray[np.bool_], scores: NDArray[np.float64]) -> dict[str
     }
 
 
-def outcome_forest(known: Labelled, seed: int, smrf_trees: int = 0) -> Scores:
+def outcome_forest(
+    known: Labelled, seed: int, smrf_trees: int = 0, growth: TreeSettings | None = None
+) -> Scores:
     """Learn the library's own model, or the source's forest of SMRF trees."""
     model = OutcomeForestClassifier(random_state=seed)
-    if smrf_trees:
-        model.set_params(n_trees=smrf_trees, growth=TreeSettings())
+    if growth is not None:
+        model.set_params(n_trees=smrf_trees, growth=growth)
     model.fit(known.scenes, known.labels)
     return lambda scenes: model.ensemble_.scores(scenes)[:, 0] - logit(model.threshold_)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, final
 
-Part = Literal["models", "protocol"]
+Part = Literal["models", "networks", "protocol"]
 
 BALANCE: Final = "balance"
 DROP_ON: Final = "drop-on"
@@ -32,8 +32,9 @@ class OutcomeSetting:
         A key of `TASKS`.
     draw : int
         Number of the draw.
-    part : {"models", "protocol"}
-        All models on the same scenes, or the source's experiment with forests of SMRF trees.
+    part : {"models", "networks", "protocol"}
+        All models on the same scenes, neural networks on these, or the source's experiment with forests of
+        SMRF trees.
     n_scenes : int
         Scenes to learn from.
     n_test : int
@@ -61,13 +62,19 @@ N_DRAWS: Final = 5
 
 OURS: Final = "outcome forest"
 SMRF: Final = "SMRF trees"
-RIVALS: Final = ("boosting, pooled", "forest, pooled", "SVM, padded")
+OF_2012: Final = "SMRF trees, 2012"
+DEEP_SETS: Final = "Deep Sets"
+ATTENTION: Final = "attention"
+POOLED: Final = ("boosting, pooled", "forest, pooled", "SVM, padded")
+RIVALS: Final = (*POOLED, DEEP_SETS, ATTENTION)
 
 CURVE: Final = (1, 2, 3, 5, 8, 12, 18, 25)
 """Trees for either labelling that are drawn, of 50 each; the last is the source's forest."""
 
-SETTINGS: Final = tuple(OutcomeSetting(task, draw) for draw in range(N_DRAWS) for task in TASKS) + tuple(
-    OutcomeSetting(task, 0, "protocol", n_test=500, smrf_trees=100, repeats=20) for task in TASKS
+_EVERY: Final = tuple((task, draw) for draw in range(N_DRAWS) for task in TASKS)
+SETTINGS: Final = (
+    *(OutcomeSetting(*each, part) for each in _EVERY for part in ("models", "networks")),
+    *(OutcomeSetting(task, 0, "protocol", n_test=500, smrf_trees=100, repeats=20) for task in TASKS),
 )
 SMOKE: Final = (
     OutcomeSetting(BALANCE, 0, n_scenes=40, n_test=60, smrf_trees=2),

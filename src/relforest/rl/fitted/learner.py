@@ -30,8 +30,8 @@ from relforest.rl.fitted.policy_json import (
 from relforest.rl.fitted.settings import QSettings, Source
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
-from relforest.rl.policy import exploring
 from relforest.rl.policy_json import POLICY
+from relforest.rl.practice import ANYHOW, Practice
 from relforest.rl.rollout import Environment, rollout, tested, world_of
 from relforest.runs.learner import Row, Snapshot
 from relforest.runs.store import read_checkpoint
@@ -85,6 +85,8 @@ class QLearner:
         Threads that measure scenes. The result does not depend on it.
     source : Source, optional
         What to begin with.
+    practice : Practice
+        How the world is practised and tested.
     """
 
     env: Environment
@@ -94,6 +96,7 @@ class QLearner:
     test_episodes: int
     n_jobs: int = 1
     source: Source | None = None
+    practice: Practice = ANYHOW
 
     files: ClassVar[re.Pattern[str]] = re.compile(rf"{EXPERIENCE_FILES}|{FOREST_FILES}")
 
@@ -102,6 +105,7 @@ class QLearner:
         """Everything that the result depends on, as plain JSON values."""
         episodes = (self.episodes, self.test_episodes)
         described = describe_run(self.env, self.settings.to_dict(), self.seed, episodes)
+        described |= self.practice.to_dict(self.env)
         return described if self.source is None else described | self.source.to_dict()
 
     def start(self) -> QKnowledge:
@@ -116,8 +120,9 @@ class QLearner:
         gained: tuple[Experience, ...] = ()
         for place, size in enumerate(portions(n_before, self.episodes, self.settings)):
             with part("training"):
-                policy, portion = exploring(value, self.settings.epsilon), stream(seed, _TRAINING, place)
-                gained = (*gained, rollout(self.env, policy, size, portion))
+                env, portion = self.practice.training or self.env, stream(seed, _TRAINING, place)
+                policy = self.practice.trainee(env, value, self.settings.epsilon)
+                gained = (*gained, rollout(env, policy, size, portion))
             with part("learning"):
                 rng = generator(stream(seed, _LEARNING, place))
                 value = self._learned(state.start, value, (*batches, *gained), rng, size)
@@ -155,7 +160,8 @@ class QLearner:
             stream(self.seed, number, _TESTING),
             (0, 0) if state.value is None else state.value.learned.size,
         )
-        return tested(self.env, exploring(state.value, 0.0), self.test_episodes, seed, state.batches, size)
+        policy = self.practice.tested(self.env, state.value)
+        return tested(self.env, policy, self.test_episodes, seed, state.batches, size)
 
     def to_plain(self, state: QKnowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its forests and the experience as files."""

@@ -1,8 +1,9 @@
 """The ground actions of a task as one flat list: what the members of the ``Discrete`` space mean.
 
 Objects have slots: one per block, in the order in which the blocks were dropped, then one per target that a
-sampler may offer. Slots do not change during an episode, although blocks may fall off the table and targets
-come and go; so an action keeps its number, and is unavailable while one of its objects is missing.
+sampler may offer, then those reserved for targets that are asked for while somebody decides. Slots do not
+change during an episode, although blocks may fall off the table and targets come and go; so an action keeps
+its number, and is unavailable while one of its objects is missing.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class FlatActions:
     A block that is moved to a target is not among the ``slots``: the target says which block that is.
     """
 
-    types: NDArray[np.int64]  # (n,) position among the action types, ascending
+    types: NDArray[np.int64]  # (n,) position among the action types
     slots: NDArray[np.int64]  # (n, k) object slots bound to the parameters; `UNBOUND` beyond the arity
     targets: NDArray[np.int64]  # (n,) number of the target, `UNBOUND` for actions without one
     _offers: dict[bytes, Offer] = field(init=False, repr=False, default_factory=dict)
@@ -92,27 +93,34 @@ class FlatActions:
         return Offer(self.types[indices], arguments[indices], indices, is_available.astype(np.int8))
 
 
-def flat_actions(action_types: tuple[ActionType, ...], n_blocks: int, n_targets: int) -> FlatActions:
+def flat_actions(
+    action_types: tuple[ActionType, ...], n_blocks: int, n_targets: int, n_reserved: int = 0
+) -> FlatActions:
     """Return the ground actions of all types, type after type, for these numbers of slots.
 
     A type with a parameter called ``target`` has one action per target, any other one for every way to bind
     different blocks to its parameters: for the last action types of all with two blocks a and b, (0, 1),
-    (0, 2), ..., (1, 0), (1, 2), ...
+    (0, 2), ..., (1, 0), (1, 2), ... Actions with reserved targets come last, so that those before keep their
+    positions when a reserved target appears.
     """
     arity = max(action_type.arity for action_type in action_types)
     types: list[int] = []
     slots: list[tuple[int, ...]] = []
     targets: list[int] = []
-    for number, action_type in enumerate(action_types):
-        aimed = TARGET in action_type.parameters
+    is_aimed = [TARGET in action_type.parameters for action_type in action_types]
+    kinds = [(*kind, range(n_targets)) for kind in enumerate(is_aimed)]
+    reserved = range(n_targets, n_targets + n_reserved)
+    kinds += [(number, True, reserved) for number, aimed in enumerate(is_aimed) if aimed]
+    for number, aimed, own in kinds:
+        action_type = action_types[number]
         bindings = (
-            [(UNBOUND, n_blocks + target) for target in range(n_targets)]
+            [(UNBOUND, n_blocks + target) for target in own]
             if aimed
             else list(permutations(range(n_blocks), action_type.arity))
         )
         types += [number] * len(bindings)
         slots += [binding + (UNBOUND,) * (arity - action_type.arity) for binding in bindings]
-        targets += list(range(n_targets)) if aimed else [UNBOUND] * len(bindings)
+        targets += list(own) if aimed else [UNBOUND] * len(bindings)
     return FlatActions(
         np.array(types, dtype=np.int64),
         np.array(slots, dtype=np.int64).reshape(-1, arity),

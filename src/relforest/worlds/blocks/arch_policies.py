@@ -1,6 +1,6 @@
 """The two hand-made policies of the arch task: one that is careful, one that errs on purpose.
 
-Both follow `relforest.worlds.blocks.plan`; its moves are only available with ``sampler="expert"``.
+Both follow `relforest.worlds.blocks.plan`, and ask the world to offer its moves when they take them.
 
 References
 ----------
@@ -9,19 +9,17 @@ Palmer (2015), section 7.4.3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, Protocol, final
 
 import numpy as np
 
 from relforest.smdp import Decision
-from relforest.support.errors import InputError
 from relforest.worlds.blocks.actions import position_of
 from relforest.worlds.blocks.arch import find_arch
-from relforest.worlds.blocks.plan import ArchPlan, arch_plan
-from relforest.worlds.blocks.scene import locations
+from relforest.worlds.blocks.plan import arch_plan
 from relforest.worlds.blocks.state import BlocksState
-from relforest.worlds.blocks.tasks import ARCH_ACTIONS, DONE, MOVE, ROTATE
+from relforest.worlds.blocks.tasks import ARCH_ACTIONS, DONE, ROTATE
 
 ERROR: Final = 0.5
 """Probability that the trainer leaves a support lying, and that it continues although an arch is finished."""
@@ -29,15 +27,19 @@ ERROR: Final = 0.5
 EXPLORATION: Final = 0.1
 """Probability that the trainer acts at random."""
 
-_ROTATE, _MOVE, _DONE = (ARCH_ACTIONS.index(action) for action in (ROTATE, MOVE, DONE))
+_ROTATE, _DONE = (ARCH_ACTIONS.index(action) for action in (ROTATE, DONE))
 
 
 class ArchWorld(Protocol):
-    """The part of the world that these policies use, because contacts are not in the scene."""
+    """The part of the world that these policies use; contacts are not in the scene."""
 
     @property
     def state(self) -> BlocksState:
         """The blocks at present."""
+        ...
+
+    def offer_move(self, block: int, x: float) -> int:
+        """Return the position of a move, which the decision offers from now on."""
         ...
 
 
@@ -54,7 +56,7 @@ class Exploration(Protocol):
 class CarefulPolicy:
     """Rotate supports upright, space them, put the top on them, and choose done when the arch is finished.
 
-    It also chooses done if fewer than three blocks are left. The world must have ``sampler="expert"``.
+    It also chooses done if fewer than three blocks are left.
     """
 
     world: ArchWorld
@@ -62,10 +64,7 @@ class CarefulPolicy:
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
         """Return the position of the next step in `decision`; `rng` is not consumed.
 
-        Raises
-        ------
-        InputError
-            If the move is not available.
+        The world's decision may have changed then, see `relforest.smdp.RefiningWorld`.
         """
         decision.check_offers()
         state = self.world.state
@@ -74,7 +73,7 @@ class CarefulPolicy:
             return position_of(decision, _DONE)
         if plan.lying:
             return position_of(decision, _ROTATE, plan.lying[0])
-        return _planned_move(decision, plan)
+        return self.world.offer_move(plan.block, plan.x)
 
     def is_finished(self, decision: Decision) -> bool:  # noqa: ARG002 - the protocol's
         """Return False: it chooses done instead."""
@@ -86,7 +85,7 @@ class CarefulPolicy:
 class TrainerPolicy:
     """The same plan, with purposeful errors: the experience that the arch is learned from.
 
-    With probability 0.1 it acts at random, among the rotations, done, and the moves of the training sampler.
+    With probability 0.1 it acts at random, among the actions that the world offers by itself.
     Otherwise, it chooses done with probability 0.5 if the arch is finished, and skips the rotation of each
     lying support with probability 0.5.
 
@@ -101,48 +100,20 @@ class TrainerPolicy:
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return the position of the next step in `decision`; consumes one to four numbers from `rng`.
 
-        Raises
-        ------
-        InputError
-            If the move is not available.
+        The world's decision may have changed then, see `relforest.smdp.RefiningWorld`.
         """
         decision.check_offers()
         state = self.world.state
         plan = arch_plan(state)
         if rng.random() < EXPLORATION:
-            return self._explore(decision, plan, rng)
+            return self.exploration.choose(decision, rng)
         if plan is None or (find_arch(state) is not None and rng.random() >= ERROR):
             return position_of(decision, _DONE)
         for support in plan.lying:
             if rng.random() >= ERROR:
                 return position_of(decision, _ROTATE, support)
-        return _planned_move(decision, plan)
+        return self.world.offer_move(plan.block, plan.x)
 
     def is_finished(self, decision: Decision) -> bool:  # noqa: ARG002 - the protocol's
         """Return False: it chooses done instead."""
         return False
-
-    def _explore(self, decision: Decision, plan: ArchPlan | None, rng: np.random.Generator) -> int:
-        kept = np.arange(len(decision))
-        if plan is not None:
-            kept = np.delete(kept, _planned_move(decision, plan))
-        sampled = replace(
-            decision,
-            types=decision.types[kept],
-            arguments=decision.arguments[kept],
-            indices=decision.indices[kept],
-        )
-        return int(kept[self.exploration.choose(sampled, rng)])
-
-
-def _planned_move(decision: Decision, plan: ArchPlan) -> int:
-    """Return the position of the plan's move: the last that goes there, after those of other samplers."""
-    moves = np.flatnonzero((decision.types == _MOVE) & (decision.arguments[:, 0] == plan.block))
-    x = locations(decision.objects)[decision.arguments[moves, 1], 0]
-    found = moves[x == plan.x]
-    if not len(found):
-        raise InputError(
-            f"the planned move of block {plan.block} to {plan.x:g} is not available: make "
-            'the environment with sampler="expert"'
-        )
-    return int(found[-1])

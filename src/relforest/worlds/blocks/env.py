@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import Any, final
+from typing import Any, Literal, final
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
 from relforest.playing.frames import Frame, Stage
 from relforest.playing.shapes import Shape, Words
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
-from relforest.support.options import between, one_of
+from relforest.support.options import between, in_range, one_of
 from relforest.worlds.arguments import RENDER_MODES
 from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.command import Command, run_command
@@ -29,6 +31,7 @@ from relforest.worlds.blocks.frames import (
 from relforest.worlds.blocks.handling import Handling
 from relforest.worlds.blocks.moment import Moment, Observer, observation_space
 from relforest.worlds.blocks.policies import POLICIES
+from relforest.worlds.blocks.samplers import nearby_targets
 from relforest.worlds.blocks.scene import SCHEMA, locations
 from relforest.worlds.blocks.simulation import STEPS_PER_SECOND, BlocksSimulation
 from relforest.worlds.blocks.state import BlocksState
@@ -205,6 +208,47 @@ class BlocksEnv(WorldEnv):
         """Return the objects and the available ground actions of the present state."""
         return self.moment.decision
 
+    def refine(self, positions: NDArray[np.int64]) -> Decision:
+        """Return the decision with more targets near those of some moves, see `relforest.smdp.RefiningWorld`.
+
+        They are those of `relforest.worlds.blocks.samplers.nearby_targets`, as long as slots are free; other
+        actions have none.
+        """
+        decision, x = self.moment.decision, locations(self.moment.decision.objects)[:, 0].tolist()
+        moves: list[tuple[int, float]] = []
+        for position in positions:
+            action = decision.action(int(position))
+            if self.task.action_types[action.type] == MOVE:
+                block, target = action.arguments
+                others = [x[other] for other in range(len(self.state)) if other != block]
+                moves += [(block, near) for near in nearby_targets(x[target], others)]
+        self._moment = self._watcher.with_moves(self._moment, moves, n_kept=1)
+        return self._moment.decision
+
+    def offer_move(self, block: int, x: float) -> int:
+        """Return the position of a move in the decision, which from now on offers it if it did not before.
+
+        Parameters
+        ----------
+        block : int
+            Position of the block in the state.
+        x : float
+            Where to, world units; finite.
+
+        Raises
+        ------
+        InputError
+            If there is no such block or place, the task has no moves, or all slots for targets are taken.
+        """
+        between("block", block, 0, len(self.state) - 1)
+        in_range("x", x, -math.inf, math.inf, open_low=True, open_high=True)
+        moment = self._watcher.with_moves(self.moment, [(block, x)])
+        position = self._watcher.move(moment, block, x)
+        if position is None:
+            raise InputError(f"a move of block {block} to {x:g} cannot be offered in {self.task.name}")
+        self._moment = moment
+        return position
+
     @property
     def policies(self) -> Policies:
         """The policies made for the task."""
@@ -299,13 +343,13 @@ class BlocksEnv(WorldEnv):
         before, name = self._moment.score, "" if command is None else command.name
         self._taken += 1
         self._look(ended=name == DONE.name)
-        reward = self.task.reward(name, before, self._moment.score)
-        self._last, self._reward = command, reward
         terminated = not len(self._moment.decision)
+        truncated = not terminated and self._taken >= self.max_actions
+        reward = self.task.reward(name, before, self._moment.score, is_last=terminated or truncated)
+        self._last, self._reward = command, reward
         info = self._info()
         info["duration"], info["option"] = result.duration, result
         info["discounted_reward"] = reward * self.discount ** (max(result.steps - 1, 0) / STEPS_PER_SECOND)
-        truncated = not terminated and self._taken >= self.max_actions
         return self._moment.observation(), reward, terminated, truncated, info
 
 
@@ -340,13 +384,14 @@ def arch_env(
     render_mode: str | None = None,
     *,
     sampler: str = "test",
+    pays: Literal["done", "end"] = "done",
     size: tuple[float, float] = ARCH_SIZE,
     n_blocks: int = 3,
     max_actions: int = MAX_ACTIONS,
     handling: Handling = _HANDLING,
 ) -> BlocksEnv:
     """Return the environment of `tasks.arch`; for the other parameters see `BlocksEnv`."""
-    task = arch(sampler, size)
+    task = arch(sampler, size, pays)
     return BlocksEnv(task, render_mode, n_blocks=n_blocks, max_actions=max_actions, handling=handling)
 
 

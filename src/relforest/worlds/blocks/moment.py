@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final, final
 
@@ -14,12 +15,13 @@ from relforest.scenes import Scenes
 from relforest.smdp import Decision
 from relforest.worlds.blocks.actions import flat_actions
 from relforest.worlds.blocks.blocks import LARGEST_HALF
+from relforest.worlds.blocks.samplers import Targets, n_reserved
 from relforest.worlds.blocks.scene import FARTHEST, SCHEMA, describe_state, scene, virtual_objects
 from relforest.worlds.blocks.state import BlocksState
 from relforest.worlds.blocks.tasks import Task
 
 _COLUMNS: Final = tuple((name, SCHEMA.columns(name)) for name in SCHEMA.names)
-_NO_TARGETS: Final = np.empty(0, dtype=np.int64)
+_NO_TARGETS: Final = Targets(np.empty(0, dtype=np.int64), np.empty(0))
 
 
 @final
@@ -33,6 +35,7 @@ class Moment:
     decision: Decision  # no action after the end
     action_mask: NDArray[np.int8]  # (n_actions,) 1 for each of its actions
     scene: Scenes  # the blocks
+    targets: Targets  # of moves: those sampled, then those that were asked for
 
     def observation(self) -> dict[str, NDArray[Any]]:
         """Return new padded arrays, 0 in empty slots and where an attribute is undefined."""
@@ -59,8 +62,9 @@ class Observer:
     def __init__(self, task: Task, n_blocks: int) -> None:
         self._task = task
         n_targets = 0 if task.sampler is None else task.sampler.size(n_blocks)
-        self._actions = flat_actions(task.action_types, n_blocks, n_targets)
-        self._n_slots = n_blocks + n_targets
+        self._n_reserved = 0 if task.sampler is None else n_reserved(n_blocks)
+        self._actions = flat_actions(task.action_types, n_blocks, n_targets, self._n_reserved)
+        self._n_slots = n_blocks + n_targets + self._n_reserved
         self._slots = np.empty(0, dtype=np.int64)
         self._ids = self._own = self._slots
         self._present = np.empty(0, dtype=np.bool_)
@@ -86,14 +90,46 @@ class Observer:
             self._scene, self._ids = scene(describe_state(state), state.ids.tolist()), state.ids
             self._own = np.searchsorted(self._slots, state.ids)
             self._present = np.isin(self._slots, state.ids)
-        objects, present, movers = describe_state(state), self._present, _NO_TARGETS
-        shown = self._scene.with_matrix(objects)
+        targets = _NO_TARGETS
         if self._task.sampler is not None:
-            targets = self._task.sampler.sample(state, self._own, len(self._slots))
-            is_there = ~np.isnan(targets.x)
-            objects = np.concatenate([objects, virtual_objects(targets.x[is_there])])
-            present, movers = np.concatenate([present, is_there]), targets.slots
-        offer = self._actions.nothing() if ended else self._actions.offer(present, movers)
+            sampled = self._task.sampler.sample(state, self._own, len(self._slots))
+            targets = sampled.with_reserved(self._n_reserved)
+        shown = self._scene.with_matrix(describe_state(state))
+        return self._seen(state, self._task.score(state), shown, targets, remaining, ended=ended)
+
+    def with_moves(self, moment: Moment, moves: Iterable[tuple[int, float]], n_kept: int = 0) -> Moment:
+        """Return a moment that also offers to move blocks, given by their positions in the state, to some x.
+
+        Everything that it offered keeps its position and its number. Moves that are offered already are left
+        out, and those for which no slot is free; `n_kept` slots stay free.
+        """
+        targets = moment.targets
+        for block, x in moves:
+            targets = targets.also(int(self._own[block]), x, n_kept)
+        if targets is moment.targets or not len(moment.decision):
+            return moment
+        return self._seen(moment.state, moment.score, moment.scene, targets, moment.decision.remaining or 0)
+
+    def move(self, moment: Moment, block: int, x: float) -> int | None:
+        """Return the position of that move in the decision; None if it is not offered."""
+        place = moment.targets.place(int(self._own[block]), x)
+        found = np.flatnonzero(self._actions.targets[moment.decision.indices] == place)
+        return int(found[0]) if len(found) else None
+
+    def _seen(
+        self,
+        state: BlocksState,
+        score: float,
+        shown: Scenes,
+        targets: Targets,
+        remaining: int,
+        *,
+        ended: bool = False,
+    ) -> Moment:
+        is_there = ~np.isnan(targets.x)
+        objects = np.concatenate([shown.matrix, virtual_objects(targets.x[is_there])])
+        present = np.concatenate([self._present, is_there])
+        offer = self._actions.nothing() if ended else self._actions.offer(present, targets.slots)
         decision = Decision(
             objects,
             offer.types,
@@ -102,7 +138,7 @@ class Observer:
             n_private=len(objects) - len(state),
             remaining=remaining if len(offer.types) else 0,
         )
-        return Moment(state, self._task.score(state), present, decision, offer.mask, shown)
+        return Moment(state, score, present, decision, offer.mask, shown, targets)
 
 
 def observation_space(n_slots: int) -> spaces.Dict:

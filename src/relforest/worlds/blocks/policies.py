@@ -37,6 +37,10 @@ class BlocksWorld(Protocol):
         """The blocks at present."""
         ...
 
+    def offer_move(self, block: int, x: float) -> int:
+        """Return the position of a move, which the decision offers from now on."""
+        ...
+
 
 @runtime_checkable
 class Policy(Protocol):
@@ -146,7 +150,7 @@ def make_policy(name: str, world: BlocksWorld) -> Policy:
     Examples
     --------
     >>> import gymnasium
-    >>> env = gymnasium.make("relforest/Arch-v0", sampler="expert")
+    >>> env = gymnasium.make("relforest/Arch-v0")
     >>> policy = make_policy("careful", env.unwrapped)
     """
     if not hasattr(world, "task"):

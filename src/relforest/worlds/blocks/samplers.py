@@ -1,10 +1,9 @@
 """Where a block may be moved to: the continuous action space of the arch task, sampled.
 
-There are three samplers. ``"test"`` is what an agent under test considers: between each pair of other blocks,
+There are two samplers. ``"test"`` is what an agent under test considers: between each pair of other blocks,
 onto each other block, half the way towards it, and a tenth of the distance farther away from it.
 ``"training"`` is for training experience and learning: between each pair, and on both sides of each other
-block, so that an arch may follow. ``"expert"`` is the training sampler with one more target, the next move of
-`plan`, which the hand-made arch policies need. A search for better targets continues with `nearby_targets`.
+block, so that an arch may follow. A search for better targets continues with `nearby_targets`.
 
 References
 ----------
@@ -24,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.options import one_of
-from relforest.worlds.blocks.plan import arch_plan
 from relforest.worlds.blocks.state import BlocksState
 
 CLOSER: Final = 0.5
@@ -36,6 +34,9 @@ FARTHER: Final = 0.1
 BESIDE: Final = 0.75
 """Distance of centres beside another block, in sums of both horizontal sizes."""
 
+REFINED: Final = 20
+"""Moves near which a search may ask for more targets in a state; beyond that, nothing is added."""
+
 _SAME: Final = 1e-9
 
 
@@ -46,6 +47,25 @@ class Targets:
 
     slots: NDArray[np.int64]  # (k,) the block that moves, counted as at the start of the episode
     x: NDArray[np.float64]  # (k,) where to; NaN = this candidate does not exist at present
+
+    free: int = 0  # how many slots there are, at the end, for candidates that do not exist yet
+
+    def with_reserved(self, n: int) -> Targets:
+        """Return them with slots for `n` more."""
+        return Targets(np.append(self.slots, np.zeros(n, np.int64)), np.append(self.x, np.full(n, np.nan)), n)
+
+    def also(self, slot: int, x: float, n_kept: int = 0) -> Targets:
+        """Return them with one more, unless it exists already or no slot but the last `n_kept` is free."""
+        if self.free <= n_kept or self.place(slot, x) is not None:
+            return self
+        slots, places = self.slots.copy(), self.x.copy()
+        slots[-self.free], places[-self.free] = slot, x
+        return Targets(slots, places, self.free - 1)
+
+    def place(self, slot: int, x: float) -> int | None:
+        """Return the number of the candidate that moves a block there; None if there is none."""
+        found = np.flatnonzero((self.slots == slot) & (np.abs(self.x - x) < _SAME))
+        return int(found[0]) if len(found) else None
 
 
 @final
@@ -65,6 +85,11 @@ def nearby_targets(target: float, others: Sequence[float]) -> list[float]:
     """
     closer = [target + CLOSER * (other - target) for other in others]
     return closer + [target - FARTHER * (other - target) for other in others]
+
+
+def n_reserved(n: int) -> int:
+    """Return how many targets of n blocks can be added to a state: near `REFINED` moves, and one."""
+    return 2 * REFINED * (n - 1) + 1
 
 
 def _test_targets(x: list[float], width: list[float], mover: int) -> list[float]:  # noqa: ARG001 - one signature
@@ -101,10 +126,6 @@ def _n_test(n: int) -> int:
 
 def _n_training(n: int) -> int:
     return n * (_pairs(n) + 2 * (n - 1))
-
-
-def _n_expert(n: int) -> int:
-    return _n_training(n) + 1
 
 
 def _every_move(
@@ -144,17 +165,10 @@ def _training(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Tar
     return _every_move(state, slots, n_slots, _training_targets)
 
 
-def _expert(state: BlocksState, slots: NDArray[np.int64], n_slots: int) -> Targets:
-    sampled, plan = _training(state, slots, n_slots), arch_plan(state)
-    slot, x = (0, np.nan) if plan is None else (int(slots[plan.block]), plan.x)
-    return Targets(np.append(sampled.slots, slot), np.append(sampled.x, x))
-
-
 SAMPLERS: Final[Mapping[str, Sampler]] = MappingProxyType(
     {
         "test": Sampler(_n_test, _test),
         "training": Sampler(_n_training, _training),
-        "expert": Sampler(_n_expert, _expert),
     }
 )
 """Name -> sampler of targets."""

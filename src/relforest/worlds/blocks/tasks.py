@@ -16,7 +16,7 @@ import numpy as np
 
 from relforest.smdp import ActionType
 from relforest.support.errors import InputError
-from relforest.support.options import in_range
+from relforest.support.options import in_range, one_of
 from relforest.worlds.arguments import entries
 from relforest.worlds.blocks.actions import TARGET
 from relforest.worlds.blocks.arch import arch_score
@@ -90,9 +90,9 @@ class Task:
         Name of the score in ``info``.
     score : callable
         Returns the score of a state.
-    pays : {"change", "done"}
-        Whether the reward of every action is the change in the score (shaping), or only done is rewarded,
-        with the score.
+    pays : {"change", "done", "end"}
+        Whether the reward of every action is the change in the score (shaping), or only one is rewarded, with
+        the score: done, or the last of the episode.
     sampler : Sampler, optional
         Samples targets for moves.
     most_blocks : int
@@ -106,15 +106,15 @@ class Task:
     turned: bool
     score_name: str
     score: Callable[[BlocksState], float]
-    pays: Literal["change", "done"]
+    pays: Literal["change", "done", "end"]
     sampler: Sampler | None = None
     most_blocks: int = MOST_BLOCKS
 
-    def reward(self, action: str, before: float, after: float) -> float:
+    def reward(self, action: str, before: float, after: float, *, is_last: bool) -> float:
         """Return the reward of an action, given the scores before and after it."""
         if self.pays == "change":
             return after - before
-        return after if action == DONE.name else 0.0
+        return after if action == DONE.name or (self.pays == "end" and is_last) else 0.0
 
 
 def high_towers(sides: tuple[float, float] = SIDES) -> Task:
@@ -178,25 +178,31 @@ def color_grouping(distance: str = "ciede2000", sides: tuple[float, float] = SID
     )
 
 
-def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
+def arch(
+    sampler: str = "test", size: tuple[float, float] = ARCH_SIZE, pays: Literal["done", "end"] = "done"
+) -> Task:
     """Return the task of building an arch, rewarded when it is declared done.
 
     Parameters
     ----------
-    sampler : {"test", "training", "expert"}
+    sampler : {"test", "training"}
         Which targets moves can have, see `relforest.worlds.blocks.samplers`.
     size : pair of float
         Width and height of all blocks, from 0.02 to 10.
+    pays : {"done", "end"}
+        Which action is rewarded: done, or the last of the episode, whichever it is. The source learns from
+        the former and reports the latter.
 
     Raises
     ------
     InputError
-        If the sampler is unknown, or ``size`` is not such a pair.
+        If a word is unknown, or ``size`` is not such a pair.
 
     References
     ----------
     Palmer (2015), section 7.4.3.
     """
+    one_of("pays", pays, ("done", "end"))
     return Task(
         name="arch",
         action_types=ARCH_ACTIONS,
@@ -205,7 +211,7 @@ def arch(sampler: str = "test", size: tuple[float, float] = ARCH_SIZE) -> Task:
         turned=True,
         score_name="arch_score",
         score=arch_score,
-        pays="done",
+        pays=pays,
         sampler=target_sampler(sampler),
         most_blocks=MOST_ARCH_BLOCKS,
     )

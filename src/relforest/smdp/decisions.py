@@ -1,46 +1,16 @@
-"""The contract between worlds and learners: a semi-Markov decision process over objects.
-
-In every state, a world offers a finite set of ground actions: action types with objects of the state bound
-to their parameters. An action may be an option that lasts longer than one unit of time (Palmer (2015),
-section 2.1). `World` and the conventions below are all that a learner needs from a world; a world knows
-nothing about learners.
-
-Conventions of the Gymnasium face of a world
---------------------------------------------
-- The action space is a flat ``Discrete`` space; `Decision.indices` lists the available members, and
-  ``info["action_mask"]`` (int8 over the whole space) marks the same ones. A world may offer them as a method
-  too: ``action_masks()``, bool.
-- ``info["scene"]`` is a `relforest.Scenes` of length 1: the objects of the state, no arguments bound and no
-  private ones (see `Decision`).
-- After a step, ``info["duration"]`` is the time that the action took, in the world's units, finite and not
-  negative. It is 0 if another agent must choose at the same moment, before any time passes.
-- After a reset, ``info["duration_before"]`` and ``info["reward_before"]`` may be the time and the reward
-  before the first decision, 0 if they are missing. They belong to the score of the episode, and to no action.
-- The reward of ``env.step`` is the undiscounted total over the action; ``info["discounted_reward"]`` is
-  the total discounted to the beginning of the action, and may be omitted if it equals the reward.
-- ``terminated`` marks a terminal state (nothing follows, its value is 0); ``truncated`` marks a time limit.
-- `Decision.remaining`, where the task limits the number of actions, falls by one with every action; it is 0
-  in a terminal state, and 0 only at the end of an episode. A task without such a limit leaves it out.
-
-`relforest.testing.check_world` checks whether a world follows them.
-
-A world may also offer to play many episodes together, which is faster (`LockstepWorld`).
-"""
+"""The objects of a state and the actions available in it, of one state and of many."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final, runtime_checkable
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
-
-if TYPE_CHECKING:
-    from relforest.scenes import Schema
 
 UNBOUND = -1
 """Marks an argument position that an action type does not use."""
@@ -364,117 +334,6 @@ def _gathered(
     counts = np.diff(offsets)[order]
     ends = np.concatenate([[0], np.cumsum(counts)])
     return np.arange(ends[-1]) + np.repeat(offsets[order] - ends[:-1], counts), ends
-
-
-@runtime_checkable
-class World(Protocol):
-    """What a learner needs from a world; the ``unwrapped`` environment of every world implements it."""
-
-    @property
-    def schema(self) -> Schema:
-        """Attributes of the objects, without parameters: those belong to the action types."""
-        ...
-
-    @property
-    def action_types(self) -> tuple[ActionType, ...]:
-        """The action types, in the order that `Decision.types` counts."""
-        ...
-
-    @property
-    def discount(self) -> float:
-        """Discount factor gamma per unit of ``info["duration"]``, in (0, 1]."""
-        ...
-
-    def decision(self) -> Decision:
-        """Return the objects and the available ground actions of the present state."""
-        ...
-
-
-class Outcomes(NamedTuple):
-    """What a step of e episodes brought, all (e,)."""
-
-    rewards: NDArray[np.float64]  # undiscounted
-    discounted: NDArray[np.float64]  # discounted to the beginning of the action
-    durations: NDArray[np.float64]
-    terminal: NDArray[np.bool_]
-    truncated: NDArray[np.bool_]
-
-
-class Lockstep(Protocol):
-    """Episodes that are played together; none depends on the others. They are named by their numbers."""
-
-    @property
-    def before(self) -> NDArray[np.float64]:
-        """Reward and time before the first decision of each episode, (2, e)."""
-        ...
-
-    def decisions(self, episodes: NDArray[np.int64]) -> Decisions:
-        """Return the present decisions of some episodes (e,)."""
-        ...
-
-    def step(self, episodes: NDArray[np.int64], actions: NDArray[np.int64]) -> Outcomes:
-        """Take an action of the flat ``Discrete`` space (e,) in each of these episodes, which go on."""
-        ...
-
-
-@runtime_checkable
-class LockstepWorld(World, Protocol):
-    """A world that can play many episodes together."""
-
-    @property
-    def lockstep(self) -> Callable[[Sequence[int]], Lockstep] | None:
-        """What begins an episode for each of several seeds; None if that is impossible at present.
-
-        Episode i is what follows ``reset(seed=seeds[i])``, to the last bit; this environment does not change.
-        """
-        ...
-
-
-def check_decision(decision: Decision, schema: Schema, action_types: Sequence[ActionType]) -> None:
-    """Check the values of a decision against the world it comes from.
-
-    Parameters
-    ----------
-    decision : Decision
-        The decision of one state.
-    schema : Schema
-    action_types : sequence of ActionType
-        Those of the world.
-
-    Raises
-    ------
-    InputError
-        If the objects do not fit the schema, a value is infinite, an action has an unknown type, an argument
-        is missing, superfluous or not an object of the state, an index is negative or appears twice, or
-        actions remain although none is offered.
-    """
-    n_objects, width = decision.objects.shape
-    if width != schema.width:
-        raise InputError(f"objects has {width} columns, but the schema of the world has {schema.width}")
-    if np.isinf(decision.objects).any():
-        raise InputError("objects contains an infinite value; use NaN for undefined values")
-    largest = max((action_type.arity for action_type in action_types), default=0)
-    if decision.arguments.shape[1] != largest:
-        raise InputError(
-            f"arguments has {decision.arguments.shape[1]} columns, "
-            f"but the largest arity of the action types is {largest}"
-        )
-    if len(np.unique(decision.indices)) < len(decision) or (decision.indices < 0).any():
-        raise InputError(f"indices must be distinct and not negative, got {decision.indices.tolist()}")
-    if decision.remaining and not len(decision):
-        raise InputError(f"remaining must be 0 in a state without actions, got {decision.remaining}")
-    for position, (type_, arguments) in enumerate(zip(decision.types, decision.arguments, strict=True)):
-        if not 0 <= type_ < len(action_types):
-            raise InputError(
-                f"action {position} has type {type_}, but there are {len(action_types)} action types"
-            )
-        arity = action_types[type_].arity
-        bound, unused = arguments[:arity], arguments[arity:]
-        if (bound < 0).any() or (bound >= n_objects).any() or (unused != UNBOUND).any():
-            raise InputError(
-                f"action {position} ({action_types[type_].name}) has arguments {arguments.tolist()}; "
-                f"the first {arity} must be positions of the {n_objects} objects, the others {UNBOUND}"
-            )
 
 
 _COLUMNS = (
