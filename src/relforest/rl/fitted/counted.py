@@ -19,7 +19,9 @@ _MOST_SCENES: Final = 600
 # Components whose sign has a meaning, and those that are never negative.
 _SIGNED: Final = frozenset({"difference", "reframe", "scaled_reframe"})
 _POSITIVE: Final = frozenset({"distance", "scaled_distance", "bearing"})
-_N_STATEMENTS: Final = (1, 2, 2)
+_N_STATEMENTS: Final = (1, 2, 2, 3)
+# How often a further statement is about the free object alone.
+_ALONE: Final = 0.3
 # Less than this share of the spread is no difference.
 _NO_DIFFERENCE: Final = 1e-3
 
@@ -40,10 +42,10 @@ def own_numbers(schema: Schema) -> list[Condition]:
 
 
 def counted_conditions(scenes: Scenes, n: int, rng: np.random.Generator) -> list[Condition]:
-    """Return up to `n` random conditions on a free object, of one or two statements.
+    """Return up to `n` random conditions on a free object, of one to three statements.
 
-    They say how it lies to an argument, or without arguments, what it is itself; their limits are numbers of
-    the scenes.
+    They say how it lies to an argument and what it is itself, such as "near B, and small"; their limits are
+    numbers of the scenes.
 
     Parameters
     ----------
@@ -59,7 +61,9 @@ def counted_conditions(scenes: Scenes, n: int, rng: np.random.Generator) -> list
     if not len(choices.rows):
         return []
     values = column_values(sample, possible, choices.rows)
-    groups = _groups(possible, values, n_arguments)
+    alone = _groups(possible, values, (n_arguments,))
+    with_arguments = [_groups(possible, values, (first, n_arguments)) for first in range(n_arguments)]
+    groups = [group for own in with_arguments for group in own] if n_arguments else alone
     if not groups:
         return []
     # Where things are decides more often than any other attribute.
@@ -70,6 +74,8 @@ def counted_conditions(scenes: Scenes, n: int, rng: np.random.Generator) -> list
         statements = []
         for turn in range(_N_STATEMENTS[rng.integers(len(_N_STATEMENTS))]):
             among = groups if turn == 0 or rng.random() < 0.5 else places
+            if turn and alone and rng.random() < _ALONE:
+                among = alone
             group = among[rng.integers(len(among))]
             number = group[rng.integers(len(group))]
             column, numbers = possible[number], values[number]
@@ -81,18 +87,15 @@ def counted_conditions(scenes: Scenes, n: int, rng: np.random.Generator) -> list
     return found
 
 
-def _groups(possible: tuple[Column, ...], values: FloatArray, n_arguments: int) -> list[list[int]]:
-    """Return the columns to choose from, those of one mapping of the same variables together."""
-    arity = 2 if n_arguments else 1
+def _groups(possible: tuple[Column, ...], values: FloatArray, variables: tuple[int, ...]) -> list[list[int]]:
+    """Return the columns of these variables that vary, those of one mapping together."""
     kept = [
         number
         for number, column in enumerate(possible)
-        if len(column.variables) == arity
-        and column.variables[-1] == n_arguments
+        if column.variables == variables
         and np.nanmin(values[number], initial=np.inf) < np.nanmax(values[number], initial=-np.inf)
     ]
-    same = groupby(kept, key=lambda number: (possible[number].mapping, possible[number].variables))
-    return [list(group) for _, group in same]
+    return [list(group) for _, group in groupby(kept, key=lambda number: possible[number].mapping)]
 
 
 def _test(column: Column, numbers: FloatArray, here: float, rng: np.random.Generator) -> Test:

@@ -22,7 +22,7 @@ from relforest.rl.fitted.evidence import Evidence
 from relforest.rl.fitted.forest_arrays import ForestArrays, forest_mean, joined, path_parts
 from relforest.rl.fitted.questions import Measures, measured
 from relforest.rl.fitted.settings import ForestSettings
-from relforest.scenes import Scenes, Schema
+from relforest.scenes import Schema
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.documents import well_formed
 from relforest.support.options import in_range
@@ -32,6 +32,8 @@ from relforest.support.progress import report
 _UNDEFINED: Final = -1e6
 _FAR: Final = 1e6
 _LEAST_EXAMPLES: Final = 8
+# The share of features that is compared at a node where there are many that hardly matter.
+_SMALL_SHARE: Final = 0.1
 
 
 @final
@@ -156,7 +158,7 @@ def learned_backwards(
     settings : ForestSettings
     rng : Generator
     offered : Horizon, optional
-        Half of the counts are those that mattered most there.
+        What was known before: half of the counts are those that mattered most there.
 
     References
     ----------
@@ -164,8 +166,8 @@ def learned_backwards(
     """
     report("counting objects")
     conditions = tuple(
-        (*own_numbers(schema), *_counted(number, scenes, settings.counts, offered, rng))
-        for number, (schema, scenes) in enumerate(zip(schemas, evidence.scenes, strict=True))
+        (*own_numbers(schema), *_counted(number, evidence, settings, offered, rng))
+        for number, schema in enumerate(schemas)
     )
     columns = [
         _features(own, measured(pack_conditions(schema, own), scenes, evidence.n_jobs))
@@ -186,12 +188,8 @@ def learned_backwards(
         for number, (transitions, rows) in enumerate(examples):
             trees: list[Any] = []
             if len(rows) > _LEAST_EXAMPLES:
-                model = ExtraTreesRegressor(
-                    settings.trees,
-                    min_samples_leaf=settings.min_leaf,
-                    max_features=settings.share,
-                    random_state=int(rng.integers(2**31)),
-                ).fit(columns[number][rows], targets[transitions])
+                model = _randomised(settings, settings.share, rng)
+                model.fit(columns[number][rows], targets[transitions])
                 trees = [tree.tree_ for tree in model.estimators_]
                 own = joined([[trees]])
                 values[evidence.candidates[number]] += forest_mean(own, own.roots[0, 0], columns[number])
@@ -202,15 +200,46 @@ def learned_backwards(
 
 
 def _counted(
-    number: int, scenes: Scenes, n: int, offered: Horizon | None, rng: np.random.Generator
+    number: int,
+    evidence: Evidence,
+    settings: ForestSettings,
+    offered: Horizon | None,
+    rng: np.random.Generator,
 ) -> Iterator[Condition]:
     """Yield the conditions whose objects are counted for actions of one type."""
     known = () if offered is None else offered.measured[number]
-    counts = sorted((each for each in known if each.condition.n_free), key=lambda each: -each.importance)
-    kept = [each.condition for each in counts[: n // 2]]
+    kept = _most_important([each for each in known if each.condition.n_free], settings.counts // 2)
     yield from kept
-    if len(scenes):
-        yield from counted_conditions(scenes, n - len(kept), rng)
+    scenes, n = evidence.scenes[number], settings.counts - len(kept)
+    if not len(scenes):
+        return
+    transitions, rows = evidence.examples(number, is_base=False)
+    # Among more conditions than transitions, chance would choose.
+    new = counted_conditions(scenes, max(n, min(settings.tried, len(rows))), rng)
+    if len(new) > n and len(rows) > _LEAST_EXAMPLES:
+        some = np.sort(rng.permutation(len(rows))[: settings.max_scenes])
+        tried = [*own_numbers(scenes.schema), *new]
+        seen = measured(pack_conditions(scenes.schema, tried), scenes.take(rows[some]), evidence.n_jobs)
+        # What is earned at once is known, and other conditions can still turn out to matter later.
+        model = _randomised(settings, _SMALL_SHARE, rng)
+        model.fit(_features(tried, seen), evidence.rewards[transitions[some]])
+        found = _with_importance(tried, model.feature_importances_)
+        new = _most_important([each for each in found if each.condition.n_free], n)
+    yield from new[:n]
+
+
+def _randomised(settings: ForestSettings, share: float, rng: np.random.Generator) -> ExtraTreesRegressor:
+    """Return randomised trees that compare this share of the features at a node."""
+    return ExtraTreesRegressor(
+        settings.trees,
+        min_samples_leaf=settings.min_leaf,
+        max_features=share,
+        random_state=int(rng.integers(2**31)),
+    )
+
+
+def _most_important(known: Sequence[Measured], n: int) -> list[Condition]:
+    return [each.condition for each in sorted(known, key=lambda each: -each.importance)[:n]]
 
 
 def _with_importance(conditions: Sequence[Condition], importances: FloatArray) -> tuple[Measured, ...]:

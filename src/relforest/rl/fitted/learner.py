@@ -143,7 +143,7 @@ class QLearner:
         evidence = Evidence.of(recent, view, schemas, world.discount, self.n_jobs)
         known, first = (None if each is None else each.learned for each in (before, start))
         if (evidence.remaining != NO_LIMIT).any():
-            offered = first if isinstance(first, Horizon) else None
+            offered = known if isinstance(known, Horizon) else None
             grown = learned_backwards(schemas, evidence, settings.forests, rng, offered)
             return QValue(view, world.action_types, grown)
         if not isinstance(known, Sum):

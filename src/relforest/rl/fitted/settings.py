@@ -101,7 +101,12 @@ class ForestSettings:
     Parameters
     ----------
     counts : int
-        Random conditions of an action type whose objects are counted, drawn anew in every iteration.
+        Conditions of an action type whose objects are counted: half of them those that mattered most before,
+        the others new.
+    tried : int
+        Random conditions among which the new ones are chosen, but no more than there are transitions.
+    max_scenes : int
+        Scenes on which they are tried.
     trees : int
         Trees for each action type and each number of remaining actions.
     min_leaf : int
@@ -110,15 +115,18 @@ class ForestSettings:
         Share of the features that are tried at a node, above 0 and at most 1.
     """
 
-    counts: int = 150
+    counts: int = 100
+    tried: int = 1200
+    max_scenes: int = 3000
     trees: int = 30
     min_leaf: int = 4
     share: float = 1 / 3
 
     def __post_init__(self) -> None:
-        at_least("counts", self.counts, 0)
-        at_least("trees", self.trees, 1)
-        at_least("min_leaf", self.min_leaf, 1)
+        for name in ("counts", "tried"):
+            at_least(name, getattr(self, name), 0)
+        for name in ("max_scenes", "trees", "min_leaf"):
+            at_least(name, getattr(self, name), 1)
         in_range("share", self.share, 0.0, 1.0, open_low=True)
 
 
