@@ -90,7 +90,7 @@ import pathlib, time
 out = pathlib.Path(sys.argv[-1])
 out.mkdir(parents=True, exist_ok=True)
 (out / "starts").open("a").write("x" if {counted} else "")
-time.sleep(0.3)
+time.sleep(0.8)
 (out / "result").write_text("42")
 """
 
