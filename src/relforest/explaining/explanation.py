@@ -8,7 +8,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from relforest.explaining.decision_map import DecisionMap, decision_map
+from relforest.explaining.decision_map import DecisionMap, decision_map, value_of
 from relforest.explaining.moves import Move, region_of, single, smallest_move
 from relforest.forests import Ensemble
 from relforest.forests.explanations import Reason, explain_scores
@@ -151,43 +151,52 @@ def explain_prediction(
     there are more than two classes.
     """
     scene = single(scene)
-    dim = next((each.dim for each in scene.schema.attributes if each.role == "location"), 0)
-    region = region_of(scene, within) if dim or within is not None else None
-    found = model.predictions(scene)
-    predicted, move = found.predicted[0], None
-    value = predicted = float(predicted) if model.classes is None else predicted
-    output = 0
-    if model.classes is not None and found.probability is not None:
-        two = len(model.classes) == 2
-        number = 1 if two else model.classes.index(predicted)
-        value, output = float(found.probability[0, number]), 0 if two else number
-        if region is not None:
-            move = smallest_move(model, scene, within=region, n_jobs=n_jobs)
+    n_classes = len(model.classes or ())
+    attribute = next((each for each in scene.schema.attributes if each.role == "location"), None)
+    region = None if attribute is None and within is None else region_of(scene, within)
+    said = model.predictions(scene)
+    predicted, move, drawn = said.predicted[0], None, None
+    if said.probability is not None and model.classes is not None and n_classes > 2:
+        output = model.classes.index(predicted)
+        value = float(said.probability[0, output])
+    else:
+        output, value = 0, float(value_of(model, scene)[0])
+    if n_classes and region is not None:
+        move = smallest_move(model, scene, within=region, n_jobs=n_jobs)
+    if n_classes <= 2 and region is not None and region.shape[1] == 2:
+        chosen = _to_be_moved(scene, move) if row is None else row
+        drawn = decision_map(model, scene, chosen, within=region, n_jobs=n_jobs)
+    unit = "log-odds" if model.family in {"boosting", "rules", "outcome"} else "probability"
+    return PredictionExplanation(
+        scene,
+        region,
+        model.outcome,
+        predicted if n_classes else value,
+        value,
+        model.threshold if n_classes == 2 else None,
+        _reasons(model, scene, output, most),
+        f"what its answer adds{f' to the {unit} of {model.outcome}' if n_classes else ''}",
+        move,
+        drawn,
+    )
+
+
+def _reasons(model: Model, scene: Scenes, output: int, most: int) -> tuple[Reason, ...]:
+    """Return the strongest reasons for one output, told together where there are many questions."""
     learned = model.learned
     if isinstance(learned, Tree):
         learned = Ensemble(learned.schema, np.zeros(learned.values.shape[1]), (learned,), np.ones(1))
     is_large = model.family in {"forest", "boosting", "outcome"}
     (explained,) = explain_scores(learned, scene, np.array([output]), most, together=is_large)
-    chosen = None
-    if dim == 2 and (model.classes is None or len(model.classes) == 2):
-        if row is None:
-            arguments = [each for each in scene.arguments[0].tolist() if each >= 0]
-            row = move.row if move else int(arguments[-1] if arguments else scene.objects(0)[0])
-        chosen = decision_map(model, scene, row, within=region, n_jobs=n_jobs)
-    unit = "log-odds" if model.family in {"boosting", "rules", "outcome"} else "probability"
-    of = f"what its answer adds to the {unit} of {model.outcome}" if model.classes else "what its answer adds"
-    return PredictionExplanation(
-        scene,
-        region,
-        model.outcome,
-        predicted,
-        float(value),
-        model.threshold if model.classes and len(model.classes) == 2 else None,
-        explained.reasons,
-        of,
-        move,
-        chosen,
-    )
+    return explained.reasons
+
+
+def _to_be_moved(scene: Scenes, move: Move | None) -> int:
+    """Return the row of the object that a map is about: the one that moves, the last argument, or any."""
+    if move is not None:
+        return move.row
+    bound = scene.arguments[0][scene.arguments[0] >= 0]
+    return int(bound[-1] if len(bound) else scene.objects(0)[0])
 
 
 def _label(outcome: str) -> str:
