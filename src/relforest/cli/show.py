@@ -92,26 +92,26 @@ def show(options: ShowOptions) -> int:
     from relforest.scenes.dialect import Dialect
     from relforest.trees import Tree
 
-    kind = "" if options.out is None else options.out.suffix.lower()
+    suffix = "" if options.out is None else options.out.suffix.lower()
     if options.out is not None:
-        if kind not in _SHARED:
+        if suffix not in _SHARED:
             check_suffix(options.out, others=_SHARED)
-        elif (kind == ".html") != (chosen is not None):
+        elif (suffix == ".html") != (chosen is not None):
             raise InputError(
-                _NEEDS_SCENE if kind == ".html" else f"{options.out} is for all scenes: omit --scene"
+                _NEEDS_SCENE if suffix == ".html" else f"{options.out} is for all scenes: omit --scene"
             )
         check_free(options.out, force=options.force)
     if options.model.is_dir():
-        if kind in _SHARED:
+        if suffix in _SHARED:
             raise InputError(
-                f"{options.model} is a folder, but only models and trees can be written as {kind}"
+                f"{options.model} is a folder, but only models and trees can be written as {suffix}"
             )
         if chosen is not None:
             raise InputError(f"--scene belongs to models and trees, and {options.model} is a folder: omit it")
         return _show_run(options)
     dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
-    is_shared = kind in _SHARED
+    is_shared = suffix in _SHARED
     if not is_shared and (options.out is not None or chosen is not None):
         _ = model.tree  # an ensemble has neither a drawing nor a path
     scene = None if chosen is None else find_scene(*chosen, model, dialect)
