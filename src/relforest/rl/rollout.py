@@ -92,15 +92,15 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     if begin is None or not isinstance(policy, LockstepPolicy):
         for number in range(episodes):
             report("episodes", number, episodes)
-            _, info = env.reset(seed=_reset(seed, number))
+            _, info = env.reset(seed=reset_seed(seed, number))
             log.before[:, number] = [info.get(f"{name}_before", 0.0) for name in ("reward", "duration")]
-            _play(env, policy, _choices(seed, number), number, log)
+            _play(env, policy, choices(seed, number), number, log)
         report("episodes", episodes, episodes)
         return log.experience()
     for first in range(0, episodes, MOST_TOGETHER):
         numbers = range(first, min(first + MOST_TOGETHER, episodes))
-        games = begin([_reset(seed, number) for number in numbers])
-        _play_together(games, policy, [_choices(seed, number) for number in numbers], first, log)
+        games = begin([reset_seed(seed, number) for number in numbers])
+        _play_together(games, policy, [choices(seed, number) for number in numbers], first, log)
     return log.experience()
 
 
@@ -125,12 +125,14 @@ def tested(
     }  # fmt: skip
 
 
-def _reset(seed: np.random.SeedSequence, number: int) -> int:
+def reset_seed(seed: np.random.SeedSequence, number: int) -> int:
+    """Return the seed of the world in an episode of `rollout`."""
     # Worlds written in other languages may accept only 32 bits.
     return int(stream(seed, number, _RESET).generate_state(1)[0])
 
 
-def _choices(seed: np.random.SeedSequence, number: int) -> np.random.Generator:
+def choices(seed: np.random.SeedSequence, number: int) -> np.random.Generator:
+    """Return the numbers that a policy draws from in an episode of `rollout`."""
     return generator(stream(seed, number, _CHOICES))
 
 

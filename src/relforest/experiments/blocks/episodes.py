@@ -44,7 +44,12 @@ def world(part: str, condition: str) -> BlocksEnv:
     return arch_env(sampler="test" if condition == settings.RANDOM else "training")
 
 
-def play(env: BlocksEnv, condition: str, seed: np.random.SeedSequence) -> Measures:
+def seeds_of(seed: np.random.SeedSequence) -> tuple[int, np.random.Generator]:
+    """Return the seed of the world in an episode, and the numbers that a policy draws from."""
+    return int(generator(stream(seed, _WORLD)).integers(2**31)), generator(stream(seed, _POLICY))
+
+
+def play(env: BlocksEnv, condition: str, seed: int, rng: np.random.Generator) -> Measures:
     """Play an episode and yield what was measured, by name.
 
     Parameters
@@ -52,11 +57,13 @@ def play(env: BlocksEnv, condition: str, seed: np.random.SeedSequence) -> Measur
     env : BlocksEnv
     condition : str
         The policy.
-    seed : numpy.random.SeedSequence
-        Of the world and of the policy.
+    seed : int
+        Of the world.
+    rng : numpy.random.Generator
+        Of the policy.
     """
-    policy, rng = make_policy(_NAMES.get(condition, condition), env), generator(stream(seed, _POLICY))
-    env.reset(seed=int(generator(stream(seed, _WORLD)).integers(2**31)))
+    policy = make_policy(_NAMES.get(condition, condition), env)
+    env.reset(seed=seed)
     yield "score_before", env.moment.score
     total, is_over = 0.0, False
     # A policy that has reached what it wanted stops: not every task has an action that does nothing.

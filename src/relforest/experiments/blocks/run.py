@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.experiments.blocks import settings
-from relforest.experiments.blocks.episodes import Measures, play, world
+from relforest.experiments.blocks.episodes import Measures, play, seeds_of, world
 from relforest.experiments.study import Context
 from relforest.experiments.table import Row
 from relforest.support.progress import report
@@ -70,7 +70,7 @@ def _play(setting: settings.BlocksSetting, context: Context) -> Measures:
     env = world(setting.part, setting.condition)
     for episode in range(setting.count):
         report("episodes", episode, setting.count)
-        for name, value in play(env, setting.condition, stream(context.stream, episode)):
+        for name, value in play(env, setting.condition, *seeds_of(stream(context.stream, episode))):
             if name in _ALWAYS_KEPT or (setting.part, setting.condition, name) in settings.OPTION_REFERENCE:
                 yield name, value
 
@@ -108,7 +108,7 @@ def _speed(setting: settings.BlocksSetting, context: Context) -> Measures:
     for episode in range(setting.count + 1):
         report("episodes", episode, setting.count + 1)
         begin = process_time()
-        found = dict(play(env, setting.condition, stream(context.stream, episode)))
+        found = dict(play(env, setting.condition, *seeds_of(stream(context.stream, episode))))
         elapsed = process_time() - begin
         # The first episode pays for what is done only once.
         if episode:

@@ -16,7 +16,7 @@ from relforest.experiments.runs import RunInFolder
 from relforest.experiments.study import Context, Unavailable
 from relforest.experiments.table import Row
 from relforest.experiments.tasks import task_named
-from relforest.rl.rollout import rollout
+from relforest.rl.rollout import choices, reset_seed, rollout
 from relforest.runs.store import metrics_of
 from relforest.support.rng import seed_sequence, stream
 from relforest.worlds.blocks.env import BlocksEnv
@@ -89,19 +89,19 @@ def _played(
 ) -> float:
     env = task_named(task).make()
     seed = stream(seed_sequence(context.seed), _TESTS, setting.run)
-    world = env.unwrapped
+    world, tests = env.unwrapped, _MORE * setting.tests
     if run is not None:
         policy = learned_policy(run.folder, env)
         if questions is not None and isinstance(policy, AgentPolicy):
             policy = policy.with_questions(questions)
-        rewards = rollout(env, policy, _MORE * setting.tests, seed).episode_rewards
+        rewards = rollout(env, policy, tests, seed).episode_rewards
     elif isinstance(world, BlocksEnv):
         # These policies stop when they have reached what they wanted.
-        episodes = (stream(seed, number) for number in range(setting.tests))
-        rewards = np.array([dict(play(world, setting.condition, each))["total"] for each in episodes])
+        episodes = ((reset_seed(seed, number), choices(seed, number)) for number in range(tests))
+        rewards = np.array([dict(play(world, setting.condition, *each))["total"] for each in episodes])
     else:
         hand_made = cast("WorldEnv", world).policies[setting.condition]
-        rewards = rollout(env, hand_made, setting.tests, seed).episode_rewards
+        rewards = rollout(env, hand_made, tests, seed).episode_rewards
     return float(rewards.mean())
 
 

@@ -27,12 +27,12 @@ class LearningSetting:
     run : int
         Number of the run.
     runs : int
-        Runs of the learner.
+        How many there are.
     episodes : int
         Training episodes per iteration; 0 for a hand-made policy.
     iterations : int
     tests : int
-        Test episodes after each iteration; in the end, a learned policy plays five times as many.
+        Test episodes after each iteration; in the end, five times as many, which begin alike for every policy.
     others : int
         How many of `LARGER` are played too in the end, without any more learning.
     """
@@ -90,7 +90,6 @@ BUDGETS: Final = (5, 10, 20, 30, 40)
 N_RUNS: Final = 10
 _TESTS: Final = 200
 _FEWER: Final = 100
-_HAND_TESTS: Final = 2000
 _BATCH: Final = 100
 
 
@@ -104,14 +103,18 @@ def _runs(
     )
 
 
-def _hand_made(task: str, *policies: str) -> tuple[LearningSetting, ...]:
+def _hand_made(task: str, *policies: str, tests: int) -> tuple[LearningSetting, ...]:
     others = len(LARGER) if task == KEEPAWAY else 0
-    return tuple(LearningSetting(task, name, 0, 1, 0, 0, _HAND_TESTS, others) for name in policies)
+    return tuple(
+        LearningSetting(task, name, run, N_RUNS, 0, 0, tests, others)
+        for name in policies
+        for run in range(N_RUNS)
+    )
 
 
 SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
     KEEPAWAY: (
-        *_hand_made(KEEPAWAY, "hand", "random"),
+        *_hand_made(KEEPAWAY, "hand", "random", tests=_TESTS),
         *_runs(KEEPAWAY, OURS, _BATCH, 10),
         *_runs(KEEPAWAY, SARSA, 1000, 6),
         *_runs(KEEPAWAY, "rbf-sarsa", 1000, 6),
@@ -129,13 +132,20 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
         *_runs(KEEPAWAY, "dqn", _BATCH, 10, runs=5),
         *_runs(KEEPAWAY, "deep-sets-q", _BATCH, 10, runs=5),
     ),
-    TOWERS: (*_hand_made(TOWERS, "large-first", "random"), *_runs(TOWERS, OURS, _BATCH, 10, tests=_FEWER)),
-    COLORS: (*_hand_made(COLORS, "manual", "random"), *_runs(COLORS, OURS, _BATCH, 5, tests=_FEWER)),
+    TOWERS: (
+        *_hand_made(TOWERS, "large-first", "random", tests=_FEWER),
+        *_runs(TOWERS, OURS, _BATCH, 10, tests=_FEWER),
+    ),
+    COLORS: (
+        *_hand_made(COLORS, "manual", "random", tests=_FEWER),
+        *_runs(COLORS, OURS, _BATCH, 20, tests=_FEWER),
+    ),
 }
 SMOKE: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
-    task: (
-        *(LearningSetting(task, HAND[task], 0, 1, 0, 0, 5, int(task == KEEPAWAY)),),
-        *(LearningSetting(task, OURS, run, 2, 20, 2, 5, int(task == KEEPAWAY)) for run in range(2)),
+    task: tuple(
+        LearningSetting(task, name, run, 2, episodes, iterations, 5, int(task == KEEPAWAY))
+        for name, episodes, iterations in ((HAND[task], 0, 0), (OURS, 20, 2))
+        for run in range(2)
     )
     for task in (KEEPAWAY, TOWERS, COLORS)
 }
