@@ -1,10 +1,12 @@
-"""Small runs of the corridor, and how their folders are compared."""
+"""Small runs, and how their folders are compared."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
+
+import numpy as np
 
 from relforest.experiments.keepaway_team import Team
 from relforest.experiments.run_config import RunConfig
@@ -19,10 +21,17 @@ from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.learner import QKnowledge
 from relforest.rl.fitted.questions import Question
 from relforest.rl.fitted.view import View
+from relforest.rl.learner import Knowledge, RPILearner
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout, world_of
+from relforest.rl.settings import RPISettings
+from relforest.rl.value import ValueFunction
 from relforest.runs import METRIC_NAMES, Run, RunStore
+from relforest.scenes import Schema
 from relforest.support.rng import seed_sequence
+from relforest.trees import Instantiation, Leaf, Tree
+from relforest.trees import Question as TreeQuestion
+from relforest.volumes import Ellipsoid
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 
 SMALL: Final = RunConfig("corridor", episodes=4, iterations=1, test_episodes=2)
@@ -50,6 +59,21 @@ def write_run_of_sarsa(folder: Path, team: Team, rules: KeepawayOptions) -> None
     learner = SarsaLearner(rules, SarsaSettings(), False, seed_sequence(0), 1, 1)  # noqa: FBT003
     row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 0, "leaves": 0}
     RunStore(folder, learner).write(Run(Trained(team), (row,)))
+
+
+def write_run_of_trees(folder: Path) -> None:
+    """Write a run of SMRF-RPI in keepaway, with a tree that asks whether the receiver is near the centre."""
+    world = world_of(task_named("keepaway").make())
+    learner = RPILearner(task_named("keepaway").make(), RPISettings(), seed_sequence(0), 1, 1)
+    schema = Schema(world.schema.attributes, world.action_types[1].parameters)
+    centre = Ellipsoid(np.zeros(2), np.eye(2), 5.0, 1, 0.0)
+    asked = TreeQuestion(Mapping("identity", schema["location"]), (1,), centre, 3, 4, 5)
+    leaves = [Leaf(probability, 1, 1) for probability in (0.9, 0.1, 0.5)]
+    tree = Tree(schema, (Instantiation(1), Instantiation(2), asked, *leaves))
+    weights = (np.array([1.0]), np.array([0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    value = ValueFunction(world.schema, world.action_types, "densities+bits", ((), (tree,)), weights)
+    row = {"iteration": 0, "test_reward": 1.0, "train_reward": None, "trees": 1, "leaves": 3}
+    RunStore(folder, learner).write(Run(Knowledge(value, ((), ("0001-pass-1.json",)), ()), (row,)))
 
 
 def write_run_of_questions(folder: Path, iterations: int = 1) -> None:

@@ -1,21 +1,27 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from experiments.run_folders import contents
+from experiments.run_folders import contents, write_run_of_questions, write_run_of_trees
 from relforest.experiments import sarsa
+from relforest.experiments.learned_policies import TeamPolicy, learned_policy
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import learn_runs
 from relforest.experiments.sarsa import trained_team
 from relforest.experiments.tasks import MethodName
+from relforest.playing import record_episodes
+from relforest.rl.fitted.settings import Source
+from relforest.rl.frozen import ForestFeatures
 from relforest.runs import store
 from relforest.runs.store import iterations_of, metrics_of
-from relforest.support.errors import ModelFormatError, RunFolderError
+from relforest.support.errors import InputError, ModelFormatError, RunFolderError
+from relforest.worlds.keepaway.env import KeepawayEnv
 
 SMALL = RunConfig("keepaway", episodes=1, iterations=1, test_episodes=1, method="cmac-sarsa")
 NAMES = {"run.json", "checkpoint.json", "metrics.jsonl", "policy-map.png", "reward.png"}
@@ -124,3 +130,41 @@ def test_a_damaged_checkpoint_is_named(tmp_path: Path, content: str) -> None:
 def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
     with pytest.raises(ModelFormatError, match=r"checkpoint\.json"):
         trained_team(tmp_path)
+
+
+def test_sarsa_learns_weights_for_the_trees_of_another_run_and_no_longer_needs_it(tmp_path: Path) -> None:
+    write_run_of_trees(tmp_path / "trees")
+    config = replace(SMALL, iterations=2, method="sarsa-on-smrf", source=Source(tmp_path / "trees"))
+    learn_runs(config, tmp_path / "at-once")
+    learn_runs(replace(config, iterations=1), tmp_path / "run")
+    tree = (tmp_path / "trees" / "trees" / "0001-pass-1.json").read_bytes()
+    shutil.rmtree(tmp_path / "trees")
+    learn_runs(config, tmp_path / "run")
+
+    assert contents(tmp_path / "run") == contents(tmp_path / "at-once")
+    team = trained_team(tmp_path / "run")
+    assert isinstance(team[0].features, ForestFeatures)
+    assert (tmp_path / "run" / "trees" / "0001-pass-1.json").read_bytes() == tree
+    assert len({agent.weights.tobytes() for agent in team}) > 1
+    env = KeepawayEnv(max_cycles=20)
+    policy = learned_policy(tmp_path / "run", env)
+    assert isinstance(policy, TeamPolicy)
+    for choice in record_episodes(env, policy)[0].choices:
+        assert choice.values is not None
+        assert choice.values[choice.chosen] == max(choice.values)
+
+
+def test_trees_must_come_from_a_run_of_smrf_rpi_in_keepaway(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the trees of a run of smrf-rpi: name it"):
+        replace(SMALL, method="sarsa-on-smrf")
+    learn_runs(RunConfig("corridor", episodes=1, iterations=1, test_episodes=1), tmp_path / "corridor")
+    learn_runs(replace(SMALL, method="smrf-rpi"), tmp_path / "few")
+    write_run_of_questions(tmp_path / "questions")
+    for name, message in (
+        ("questions", "is no run of smrf-rpi"),
+        ("corridor", "was not learned in keepaway"),
+        ("few", "has no trees: let it learn first"),
+    ):
+        config = replace(SMALL, method="sarsa-on-smrf", source=Source(tmp_path / name))
+        with pytest.raises(InputError, match=message):
+            learn_runs(config, tmp_path / "out" / name)

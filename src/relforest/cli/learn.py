@@ -17,6 +17,7 @@ from relforest.cli.learner_options import QOptions, RPIOptions, SarsaOptions, gi
 from relforest.cli.progress import note, working
 from relforest.experiments.methods import METHODS
 from relforest.experiments.tasks import MethodName
+from relforest.rl.fitted.settings import Source
 from relforest.support.progress import Stage
 
 if TYPE_CHECKING:
@@ -52,8 +53,9 @@ class LearnOptions:
     method
         Learner: smrf-rpi, smrf-q or, for keepaway, cmac-sarsa (each keeper learns alone, as in the
         benchmark), cmac-sarsa-shared (all learn from everyone's experience), rbf-sarsa (radial basis
-        functions instead of tiles), linear-q, lspi, trees-q or boosting-q (fitted Q and LSPI on the
-        benchmark's state variables), dqn or deep-sets-q (networks; need the extra "bench").
+        functions instead of tiles), sarsa-on-smrf (the trees of a run of smrf-rpi instead), linear-q, lspi,
+        trees-q or boosting-q (fitted Q and LSPI on the benchmark's state variables), dqn or deep-sets-q
+        (networks; need the extra "bench").
     episodes
         Training episodes per iteration.
     iterations
@@ -69,12 +71,15 @@ class LearnOptions:
         not depend on it.
     out
         Run folder.
+    from_
+        With smrf-q, begin with the policy of this run of smrf-q, such as one with fewer players, and learn
+        what is different; with sarsa-on-smrf, learn weights for the trees of this run of smrf-rpi.
     rpi
         Only with --method smrf-rpi.
     q
         Only with --method smrf-q.
     sarsa
-        Only with --method cmac-sarsa, cmac-sarsa-shared or rbf-sarsa.
+        Only with --method cmac-sarsa, cmac-sarsa-shared, rbf-sarsa or sarsa-on-smrf.
     """
 
     task: Annotated[
@@ -103,6 +108,7 @@ class LearnOptions:
     seed: int = 0
     jobs: int = 1
     out: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: runs/TASK)")] = None
+    from_: Annotated[Path | None, arg(name="from", metavar="RUN", help_behavior_hint="")] = None
     rpi: OmitArgPrefixes[Annotated[RPIOptions, arg(name="smrf-rpi")]] = field(default_factory=RPIOptions)
     q: OmitArgPrefixes[Annotated[QOptions, arg(name="smrf-q")]] = field(default_factory=QOptions)
     sarsa: OmitArgPrefixes[SarsaOptions] = field(default_factory=SarsaOptions)
@@ -160,6 +166,15 @@ def _config(options: LearnOptions) -> RunConfig:
         raise UsageError(
             f"--method {options.method} is not for {task.name}: use {' or '.join(task.pictures)}"
         )
+    values: dict[str, Any] = {} if own is None else getattr(options, own).config(task)
+    if options.from_ is not None:
+        if "source" not in METHODS[options.method].options:
+            raise UsageError(
+                f"--from is for smrf-q and sarsa-on-smrf: leave it out with --method {options.method}"
+            )
+        if values.get("source") is not None:
+            raise UsageError("--from and --questions-from exclude each other: leave one out")
+        values["source"] = Source(options.from_)
     return RunConfig(
         options.task,
         episodes=options.episodes,
@@ -168,7 +183,7 @@ def _config(options: LearnOptions) -> RunConfig:
         seed=options.seed,
         test_episodes=options.test_episodes,
         method=options.method,
-        **({} if own is None else getattr(options, own).config(task)),
+        **values,
     )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, final
 
 from tyro.conf import arg
 
-from relforest.cli.early_checks import UsageError, naming_options
+from relforest.cli.early_checks import naming_options
 from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.fitted.settings import Q_DISCOUNT, QSettings, Source
 from relforest.rl.settings import FeatureMode, RPISettings
@@ -143,7 +143,7 @@ _PLACES: Final[Mapping[str, tuple[str, str]]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class SarsaOptions:
-    """Options of --method cmac-sarsa, cmac-sarsa-shared and rbf-sarsa.
+    """Options of --method cmac-sarsa, cmac-sarsa-shared, rbf-sarsa and sarsa-on-smrf.
 
     Parameters
     ----------
@@ -190,9 +190,6 @@ class QOptions:
 
     Parameters
     ----------
-    from_
-        Begin with the policy of this run of smrf-q, such as one with fewer players, and learn what is
-        different.
     questions_from
         Only ask the questions of this run first, because its task is another one.
     q_discount
@@ -211,7 +208,6 @@ class QOptions:
         Trees per action type and number of remaining actions there.
     """
 
-    from_: Annotated[Path | None, arg(name="from", metavar="RUN", help_behavior_hint="")] = None
     questions_from: Annotated[Path | None, arg(metavar="RUN", help_behavior_hint="")] = None
     q_discount: Annotated[float | None, _default(Q_DISCOUNT)] = None
     q_epsilon: Annotated[float | None, _default(_Q.epsilon)] = None
@@ -227,13 +223,11 @@ class QOptions:
         Raises
         ------
         UsageError
-            If one is out of its range, or two exclude each other.
+            If one is out of its range.
         """
         values = given(self)
-        begun, offered = (values.pop(name, None) for name in ("from_", "questions_from"))
-        if begun and offered:
-            raise UsageError("--from and --questions-from exclude each other: leave one out")
-        source = Source(begun) if begun else Source(offered, "questions") if offered else None
+        offered = values.pop("questions_from", None)
+        source = None if offered is None else Source(offered, "questions")
         discount = values.pop("q_discount", None)
         if discount is not None:
             with naming_options((), discount="q_discount"):

@@ -4,27 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import gymnasium
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from relforest.experiments.keepaway_team import scene_decision
 from relforest.experiments.sarsa import trained_team
 from relforest.experiments.vectors import vector_value
 from relforest.reports.policy_map import Formation, on_variables, policy_map_figure
 from relforest.rl.fitted.value import QValue
+from relforest.rl.frozen import ForestFeatures
 from relforest.rl.policy import ActionValues
 from relforest.rl.rollout import Environment
 from relforest.rl.saved_policy import read_policy
 from relforest.runs.store import read_checkpoint
 from relforest.smdp import Decision
 from relforest.support.errors import InputError
-from relforest.worlds.keepaway.decisions.scene import decision, describe, objects
-from relforest.worlds.keepaway.decisions.variables import by_distance
 from relforest.worlds.keepaway.env import KeepawayEnv
 from relforest.worlds.keepaway.server.layout import BODY, Setup
+
+_Evaluation: TypeAlias = Callable[[NDArray[np.float64]], NDArray[Any]]
 
 _STEP: Final = 0.5
 _ACTOR: Final = 0
@@ -57,9 +59,11 @@ def vector_policy_map(folder: Path, env: gymnasium.Env[Any, Any]) -> Figure:
 def team_policy_map(folder: Path, env: Environment) -> Figure:
     """Draw what the first agent of a Sarsa team prefers."""
     setup, agent = _setup(env), trained_team(folder)[0]
-    evaluate = on_variables(agent.values, keepers=setup.keepers, actor=_ACTOR)
-    features = {"tiles": "CMAC", "bells": "RBF"}[agent.features.to_dict()["kind"]]
-    return _figure(setup, evaluate, f"{features} Sarsa, the first keeper's agent")
+    features = {"tiles": "CMAC", "bells": "RBF", "trees": "SMRF"}[agent.features.to_dict()["kind"]]
+    title = f"{features} Sarsa, the first keeper's agent"
+    if isinstance(agent.features, ForestFeatures):
+        return _figure(setup, _on_scenes(setup, agent.values), title)
+    return _figure(setup, on_variables(agent.values, keepers=setup.keepers, actor=_ACTOR), title)
 
 
 def formations(setup: Setup) -> tuple[Formation, ...]:
@@ -77,26 +81,22 @@ def formations(setup: Setup) -> tuple[Formation, ...]:
     return tuple(made)
 
 
-def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> Decision:
-    """Return what a relational learner sees when a keeper must decide among players (n, 5)."""
-    receivers = np.empty(keepers - 1, dtype=np.int64)
-    by_distance(players, actor, 0, receivers)
-    matrix = objects(keepers, len(players) - keepers)
-    describe(players, matrix)
-    return decision(matrix, actor, receivers)
-
-
 def _value_map(folder: Path, env: Environment, value: ActionValues, name: str) -> Figure:
     setup = _setup(env)
+    title = f"{name} after {read_checkpoint(folder).iteration} iterations"
+    return _figure(setup, _on_scenes(setup, value.values), title)
+
+
+def _on_scenes(setup: Setup, values: Callable[[Decision], NDArray[np.float64]]) -> _Evaluation:
+    """Return what values many states of players."""
 
     def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:
-        seen = (scene_decision(players, setup.keepers, _ACTOR) for players in states)
-        return np.array([value.values(decision) for decision in seen])
+        return np.array([values(scene_decision(players, setup.keepers, _ACTOR)) for players in states])
 
-    return _figure(setup, evaluate, f"{name} after {read_checkpoint(folder).iteration} iterations")
+    return evaluate
 
 
-def _figure(setup: Setup, evaluate: Callable[[NDArray[np.float64]], NDArray[Any]], title: str) -> Figure:
+def _figure(setup: Setup, evaluate: _Evaluation, title: str) -> Figure:
     return policy_map_figure(
         formations(setup),
         evaluate,

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from relforest.rl.baselines import SarsaLambda, SarsaSettings, TileCoding, make_team
 from relforest.rl.baselines.tile_coding import TileKind
+from relforest.rl.frozen import ForestFeatures
+from relforest.smdp import Decision
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import report
 from relforest.support.rng import RandomState, seed_sequence, stream
-from relforest.worlds.keepaway.decisions.variables import n_variables, state_variables, tile_widths
+from relforest.worlds.keepaway.decisions.scene import decision, describe, objects
+from relforest.worlds.keepaway.decisions.variables import (
+    by_distance,
+    n_variables,
+    state_variables,
+    tile_widths,
+)
 from relforest.worlds.keepaway.play.advance import ASK, NO_ACTION, NOBODY, advance
 from relforest.worlds.keepaway.play.games import new_games
 from relforest.worlds.keepaway.players.memory import DECIDED
@@ -23,7 +31,8 @@ from relforest.worlds.keepaway.server.layout import CAPPED, END, TIME, Games, Se
 from relforest.worlds.keepaway.server.options import KeepawayOptions
 from relforest.worlds.keepaway.server.referee import place
 
-Team: TypeAlias = Sequence[SarsaLambda[NDArray[np.float64]]]
+Team: TypeAlias = Sequence[SarsaLambda[Any]]
+"""Agents that see state variables or, with `ForestFeatures`, the decision."""
 
 
 def benchmark_team(
@@ -61,6 +70,15 @@ def benchmark_team(
     else:
         coding = TileCoding(widths, options.keepers)
     return make_team(coding, options.keepers, settings, shared=shared, random_state=random_state)
+
+
+def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> Decision:
+    """Return what a relational learner sees when a keeper must decide among players (n, 5)."""
+    receivers = np.empty(keepers - 1, dtype=np.int64)
+    by_distance(players, actor, 0, receivers)
+    matrix = objects(keepers, len(players) - keepers)
+    describe(players, matrix)
+    return decision(matrix, actor, receivers)
 
 
 def renewed(team: Team, random_state: RandomState = None, *, learn: bool) -> Team:
@@ -131,21 +149,26 @@ def play_episodes_with(
 def _play_episode(team: Team, games: Games, setup: Setup, work: Work) -> None:
     clock, memory = games.counters[0], games.memory[0]
     variables = np.empty(n_variables(setup.keepers, setup.takers))
+    is_relational = isinstance(team[0].features, ForestFeatures)
+    seen: Decision | NDArray[np.float64] = variables
     has_decided = [False] * setup.keepers
     action = NO_ACTION
     while (actor := advance(games, 0, setup, ASK, action, work)) != NOBODY:
-        state_variables(work.views[actor], work.balls[actor], setup.keepers, variables)
+        if is_relational:
+            seen = scene_decision(work.views[actor], setup.keepers, actor)
+        else:
+            state_variables(work.views[actor], work.balls[actor], setup.keepers, variables)
         if has_decided[actor]:
             elapsed = float(clock[TIME] + 1 - memory[actor, DECIDED])
-            action = team[actor].step(elapsed, elapsed, variables)
+            action = team[actor].step(elapsed, elapsed, seen)
         else:
-            action = team[actor].start(variables)
+            action = team[actor].start(seen)
             has_decided[actor] = True
     for agent, decided, row in zip(team, has_decided, memory, strict=False):
         if decided:
             elapsed = float(clock[TIME] + 1 - row[DECIDED])
             if clock[END] == CAPPED:
                 # Cut short, not over: what would follow is worth what the last state seen promises.
-                agent.step(elapsed, elapsed, variables)
+                agent.step(elapsed, elapsed, seen)
             else:
                 agent.end(elapsed)

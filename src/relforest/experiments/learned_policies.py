@@ -16,10 +16,11 @@ from relforest.experiments.methods import METHODS, Method
 from relforest.experiments.sarsa import trained_team
 from relforest.experiments.vectors import vector_value
 from relforest.playing.reasons import Explanation
-from relforest.rl.baselines import TileCoding
+from relforest.rl.baselines import SarsaLambda, TileCoding
 from relforest.rl.configuration import check_world
 from relforest.rl.explaining import explanation
 from relforest.rl.fitted.value import QValue
+from relforest.rl.frozen import ForestFeatures
 from relforest.rl.policy import GreedyPolicy
 from relforest.rl.practice import ANYHOW
 from relforest.rl.saved_policy import AnyValue, read_policy
@@ -38,20 +39,26 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamPolicy:
-    """Every keeper has its own Sarsa agent, which sees the state variables."""
+    """Every keeper has its own Sarsa agent, which sees the state variables or the decision."""
 
     team: Team
     world: KeepawayEnv
 
-    def choose(self, decision: Decision, rng: np.random.Generator) -> int:  # noqa: ARG002 - the protocol's
+    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return the position of a best action; there is one for each keeper, in their order."""
-        seen = self.world.batch.seen
-        return self.team[int(seen.actors[0])].greedy(seen.variables[0].copy(), rng)
+        agent, seen = self._asked(decision)
+        return agent.greedy(seen, rng)
 
-    def values(self, decision: Decision) -> NDArray[np.float64]:  # noqa: ARG002 - the protocol's
+    def values(self, decision: Decision) -> NDArray[np.float64]:
         """Return the values of all actions, (n_actions,)."""
+        agent, seen = self._asked(decision)
+        return agent.values(seen)
+
+    def _asked(self, decision: Decision) -> tuple[SarsaLambda[Any], Decision | NDArray[np.float64]]:
+        """Return the agent that must decide, and what it sees."""
         seen = self.world.batch.seen
-        return self.team[int(seen.actors[0])].values(seen.variables[0].copy())
+        agent = self.team[int(seen.actors[0])]
+        return agent, decision if isinstance(agent.features, ForestFeatures) else seen.variables[0].copy()
 
 
 @final

@@ -52,6 +52,8 @@ class Method:
         The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`.
     needs : str, optional
         The package that it learns with and that the extra ``bench`` installs.
+    needs_source : bool
+        Whether it must begin with another run.
     """
 
     title: str
@@ -63,6 +65,7 @@ class Method:
     policy: str
     mark: str
     needs: str | None = None
+    needs_source: bool = False
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -117,9 +120,13 @@ def _q_learner(
 
 
 def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
-    source: Source | None = options["source"]
-    begun = {} if source is None else source.to_dict()
-    return {"settings": (options["q"] or QSettings()).to_dict(), "discount": _q_discount(options), **begun}
+    settings = (options["q"] or QSettings()).to_dict()
+    return {"settings": settings, "discount": _q_discount(options), **_begun(options)}
+
+
+def _begun(options: Options) -> dict[str, str]:
+    source: Source | None = options.get("source")
+    return {} if source is None else source.to_dict()
 
 
 def _q_discount(options: Options) -> float:
@@ -140,20 +147,23 @@ def _sarsa_learner(
     from relforest.worlds.keepaway.server.options import KeepawayOptions
 
     rules = KeepawayOptions(**task.options)
-    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes, kind)
+    source: Source | None = options.get("source")
+    trees = None if source is None else source.folder
+    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes, kind, trees)
 
 
 def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
     # Older runs name no options of Sarsa.
     sarsa: SarsaSettings | None = options["sarsa"]
-    return {} if sarsa in (None, SarsaSettings()) else {"sarsa": sarsa.to_dict()}
+    settings = {} if sarsa in (None, SarsaSettings()) else {"sarsa": sarsa.to_dict()}
+    return settings | _begun(options)
 
 
-def _sarsa(*, shared: bool = False, kind: TileKind = "tiles") -> Method:
+def _sarsa(*others: str, shared: bool = False, kind: TileKind = "tiles") -> Method:
     return Method(
         "Sarsa",
         "sarsa",
-        (),
+        others,
         partial(_sarsa_learner, shared=shared, kind=kind),
         _sarsa_manifest,
         None,
@@ -219,6 +229,7 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
         "cmac-sarsa": _sarsa(),
         "cmac-sarsa-shared": _sarsa(shared=True),
         "rbf-sarsa": _sarsa(kind="bells"),
+        "sarsa-on-smrf": replace(_sarsa("source"), needs_source=True),
         "linear-q": _vectors("linear-q"),
         "lspi": _vectors("lspi"),
         "trees-q": _vectors("trees-q"),
@@ -228,5 +239,6 @@ METHODS: Final[Mapping[MethodName, Method]] = MappingProxyType(
     }
 )
 """Name of a method -> SMRF-RPI; fitted Q on relational questions; Sarsa on the benchmark's tile coding, each
-keeper alone or all together; Sarsa on radial basis functions; fitted Q and LSPI on curves of the benchmark's
-state variables, fitted Q by trees and by boosting of them, and by networks of the players as they are."""
+keeper alone or all together; Sarsa on radial basis functions, and on the trees of a run of SMRF-RPI; fitted Q
+and LSPI on curves of the benchmark's state variables, fitted Q by trees and by boosting of them, and by
+networks of the players as they are."""

@@ -57,7 +57,7 @@ class RunConfig:
     q : QSettings, optional
         Options of smrf-q.
     source : Source, optional
-        A run of smrf-q to begin with.
+        A run to begin with: of smrf-q for smrf-q, of smrf-rpi for Sarsa on its trees.
 
     Raises
     ------
@@ -101,6 +101,10 @@ class RunConfig:
             raise InputError(
                 f"{self.method} learns with {chosen.needs}, which is not installed: "
                 "install the extra 'relforest[bench]'"
+            )
+        if chosen.needs_source and (self.source is None or self.source.what != "policy"):
+            raise InputError(
+                f"{self.method} learns weights for the trees of a run of smrf-rpi: name it (--from RUN)"
             )
         every = {name for method in METHODS.values() for name in method.options}
         for name in sorted(every - self.options.keys()):

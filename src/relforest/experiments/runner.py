@@ -122,7 +122,11 @@ def _compute(
         with ExitStack() as locks:
             for run in runs:
                 locks.enter_context(run.held())
-            learn_in_folders(runs, n_jobs=n_jobs)
+            # Some begin with what others have learned.
+            folders = {run.folder for run in runs}
+            for is_later in (False, True):
+                wave = [run for run in runs if (run.source in folders) == is_later]
+                learn_in_folders(wave, n_jobs=n_jobs)
     elif study.compiles and n_jobs != 1 and len(left) > 1:
         _warm_up(study)
 

@@ -91,6 +91,11 @@ class RunInFolder:
         """Whether it has all its iterations."""
         return iterations_of(self.folder) >= self.config.iterations
 
+    @property
+    def source(self) -> Path | None:
+        """The folder of the run that it begins with."""
+        return None if self.config.source is None else self.config.source.folder
+
     def held(self) -> AbstractContextManager[None]:
         """Lock the folder for this run."""
         return held(self.folder, self.config.manifest(self.number), is_finished=lambda: self.is_finished)

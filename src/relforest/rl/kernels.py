@@ -82,3 +82,39 @@ def forest_values(
                 value += forest.added[start + 1 + j] * math.exp(work.numbers[BEST_PATH, j])
         out[i], place[1] = value, 0
     return True
+
+
+@kernel
+def forest_rows(
+    forest: ForestArrays,
+    columns: NDArray[np.int64],
+    matrix: NDArray[np.float64],
+    objects: NDArray[np.int64],
+    asked: tuple[NDArray[np.int64], NDArray[np.int64]],
+    work: QueryWork,
+    out: NDArray[np.float64],
+    place: NDArray[np.int64],
+) -> bool:
+    """Write what the leaves that decide add, one by one, instead of the sum as in `forest_values`.
+
+    Letters: m actions of one type. `asked` are their rows in `out` (m,) and their `arguments` (m, arity);
+    `columns` (n_leaves,) is where in a row of `out` (n_actions, k), zeros at first, a leaf begins.
+    """
+    work.integers[PAUSE, STEPS] = MOST_STEPS
+    rows, arguments = asked
+    for i in range(place[0], len(rows)):
+        for tree in range(place[1], len(forest.trees)):
+            root, first_leaf = forest.trees[tree]
+            leaf = query_scene(forest.nodes, forest.numbers, root, matrix, objects, arguments[i], work)
+            if leaf == UNFINISHED:
+                place[0], place[1] = i, tree
+                return False
+            start, n_densities = forest.leaves[first_leaf + leaf]
+            column = columns[first_leaf + leaf]
+            out[rows[i], column] = forest.added[start]
+            for j in range(n_densities):
+                out[rows[i], column + 1 + j] = forest.added[start + 1 + j] * math.exp(
+                    work.numbers[BEST_PATH, j]
+                )
+        place[1] = 0
+    return True

@@ -17,11 +17,10 @@ from relforest.rl.configuration import check_world, describe_run
 from relforest.rl.experience import Experience
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
 from relforest.rl.policy_json import (
-    TREES,
+    TREE_FILES,
     TreeNames,
     derived_files,
-    describe,
-    named_weights,
+    plain_policy,
     policy_of,
     slugs,
     tree_name,
@@ -89,7 +88,7 @@ class RPILearner:
     n_jobs: int = 1
     practice: Practice = ANYHOW
 
-    files: ClassVar[re.Pattern[str]] = re.compile(rf"{TREES}/\d{{4}}-.+-\d+\.json|{EXPERIENCE_FILES}")
+    files: ClassVar[re.Pattern[str]] = re.compile(rf"{TREE_FILES}|{EXPERIENCE_FILES}")
 
     @property
     def configuration(self) -> dict[str, Any]:
@@ -139,17 +138,11 @@ class RPILearner:
 
     def to_plain(self, state: Knowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its trees and the experience as files."""
-        value = state.value
-        trees = {
-            f"{TREES}/{name}": tree.to_dict()
-            for names, forest in zip(state.tree_names, value.forests, strict=True)
-            for name, tree in zip(names, forest, strict=True)
-        }
-        weights = {name: vector.tolist() for name, vector in named_weights(value).items()}
+        document, trees = plain_policy(state.value, state.tree_names)
         return Snapshot(
-            {"policy": describe(value, state.tree_names), "weights": weights},
+            document,
             {**experience_files(state.batches), **trees},
-            derived_files(value, state.tree_names, number),
+            derived_files(state.value, state.tree_names, number),
         )
 
     def from_plain(self, document: Mapping[str, Any], number: int, folder: Path) -> Knowledge:

@@ -35,6 +35,8 @@ VERSION: Final = 1
 POLICY: Final = "policy.json"
 WEIGHTS: Final = "weights.npz"
 TREES: Final = "trees"
+TREE_FILES: Final = rf"{TREES}/\d{{4}}-.+-\d+\.json"
+"""A pattern of the names of the files of trees."""
 MAX_ACTIONS: Final = 1000
 
 TreeNames = tuple[tuple[str, ...], ...]
@@ -69,6 +71,17 @@ def derived_files(
 def named_weights(value: ValueFunction) -> dict[str, FloatArray]:
     """Return the weights by the names that `describe` uses."""
     return dict(zip(slugs(value.action_types), value.weights, strict=True))
+
+
+def plain_policy(value: ValueFunction, tree_names: TreeNames) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what `policy_of` reads: the document, and the files of the trees by name."""
+    weights = {name: vector.tolist() for name, vector in named_weights(value).items()}
+    files = {
+        f"{TREES}/{name}": tree.to_dict()
+        for names, forest in zip(tree_names, value.forests, strict=True)
+        for name, tree in zip(names, forest, strict=True)
+    }
+    return {"policy": describe(value, tree_names), "weights": weights}, files
 
 
 def policy_of(document: Mapping[str, Any], folder: Path) -> tuple[ValueFunction, TreeNames]:

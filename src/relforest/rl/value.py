@@ -75,7 +75,7 @@ class ValueFunction:
         for number, schema in enumerate(action_schemas(self.schema, self.action_types)):
             self._check_forest(number, schema)
         packed = [
-            _pack_forest(trees, weights, self.features)
+            pack_forest(trees, weights, self.features)
             for trees, weights in zip(self.forests, self.weights, strict=True)
         ]
         object.__setattr__(self, "_packed", tuple(packed))
@@ -183,7 +183,7 @@ def forest_features(trees: Sequence[Tree], scenes: Scenes, mode: FeatureMode) ->
     return np.hstack([np.ones((len(scenes), 1)), *columns])
 
 
-def _pack_forest(trees: Sequence[Tree], weights: FloatArray, mode: FeatureMode) -> ForestArrays:
+def pack_forest(trees: Sequence[Tree], weights: FloatArray, mode: FeatureMode) -> ForestArrays:
     """Lay the trees of one action type end to end, with the contribution of each leaf to the value."""
     nodes, numbers, added = [], [np.empty(0)], [np.empty(0)]
     roots: list[tuple[int, int]] = []

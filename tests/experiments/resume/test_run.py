@@ -73,8 +73,8 @@ def test_a_command_that_has_ended_was_not_running(monkeypatch: pytest.MonkeyPatc
 
 def test_the_command_is_the_one_that_users_type(tmp_path: Path) -> None:
     assert command(ResumeSetting("x", "x", 2, 2, 1, 30, 3), tmp_path, 7, 2) == [
-        *("learn", "corridor", "--episodes", "30", "--iterations", "3", "--runs", "2"),
-        *("--jobs", "2", "--seed", "7", "--out", str(tmp_path)),
+        *("learn", "corridor", "--method", "smrf-rpi", "--episodes", "30", "--iterations", "3"),
+        *("--runs", "2", "--jobs", "2", "--seed", "7", "--out", str(tmp_path)),
     ]
 
 
@@ -116,7 +116,8 @@ def test_every_variant_is_killed_at_ten_moments_and_the_first_process_at_a_hundr
     for setting in SETTINGS:
         moments[setting.name] += setting.moments
 
-    assert moments == {"threads": 10, "processes": 10, "thrice": 10, "orphans": 100}
+    learners = {"smrf-q-keepaway": 10, "smrf-q-high-towers": 10}
+    assert moments == {"threads": 10, "processes": 10, "thrice": 10, "orphans": 100, **learners}
     assert max(setting.kills for setting in SETTINGS) > 1
     assert {setting.moments for setting in SMOKE} == {1}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
@@ -16,6 +17,7 @@ from relforest.experiments.runs import RunInFolder
 from relforest.experiments.study import Context, Unavailable
 from relforest.experiments.table import Row
 from relforest.experiments.tasks import task_named
+from relforest.rl.fitted.settings import Source
 from relforest.rl.rollout import choices, reset_seed, rollout
 from relforest.runs.store import metrics_of
 from relforest.support.rng import seed_sequence, stream
@@ -43,8 +45,9 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
         runs=setting.runs,
         seed=_seed_of(setting.condition, context.seed),
         discount=choice.discount,
+        source=None if choice.source is None else Source(_folder(choice.source, setting.run, context)),
     )
-    folder = context.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
+    folder = _folder(setting.condition, setting.run, context)
     return RunInFolder(config, setting.run, folder)
 
 
@@ -103,6 +106,10 @@ def _played(
         hand_made = cast("WorldEnv", world).policies[setting.condition]
         rewards = rollout(env, hand_made, tests, seed).episode_rewards
     return float(rewards.mean())
+
+
+def _folder(condition: str, run: int, context: Context) -> Path:
+    return context.folder / "runs" / condition / f"run-{run:02d}"
 
 
 def _seed_of(condition: str, seed: int) -> int:

@@ -32,7 +32,8 @@ class LearningSetting:
         Training episodes per iteration; 0 for a hand-made policy.
     iterations : int
     tests : int
-        Test episodes after each iteration; in the end, five times as many, which begin alike for every policy.
+        Test episodes after each iteration; in the end, five times as many, which begin alike for every
+        policy.
     others : int
         How many of `LARGER` are played too in the end, without any more learning.
     """
@@ -54,10 +55,11 @@ class LearningSetting:
 @final
 @dataclass(frozen=True, slots=True)
 class LearnerChoice:
-    """A learner under one condition."""
+    """A learner under one condition, which may begin with the run of another condition of the same number."""
 
     method: MethodName
     discount: float | None = None
+    source: str | None = None
 
 
 LEARNERS: Final[Mapping[str, LearnerChoice]] = {
@@ -74,6 +76,7 @@ LEARNERS: Final[Mapping[str, LearnerChoice]] = {
     "boosting-q": LearnerChoice("boosting-q"),
     "dqn": LearnerChoice("dqn"),
     "deep-sets-q": LearnerChoice("deep-sets-q"),
+    "sarsa-on-smrf": LearnerChoice("sarsa-on-smrf", source="smrf-rpi-500"),
 }
 """Condition -> what learns; the order gives each condition its seed."""
 
@@ -124,6 +127,7 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
             for discount in ("", "-discount-.99")
             for setting in _runs(KEEPAWAY, f"smrf-rpi-{size}{discount}", size, count, runs=5)
         ),
+        *_runs(KEEPAWAY, "sarsa-on-smrf", 1000, 6, runs=5),
         *(
             setting
             for name in (LINEAR, "lspi", "trees-q", "boosting-q")

@@ -26,8 +26,6 @@ from relforest.support.progress import report
 from relforest.support.rng import generator
 from relforest.support.workers import start
 
-TASK: Final = "corridor"
-
 LONGEST: Final = 2.0
 """Seconds after which no process of a killed run may be left."""
 
@@ -95,7 +93,7 @@ def compute(setting: ResumeSetting, context: Context) -> list[Row]:
         kill = KILLS[1 + moment % (len(KILLS) - 1)] if setting.whom == PARENT else KILLS[0]
         first = command(setting, out, context.seed, setting.jobs)
         alive, survivors = kill_after(first, fraction * duration, kill)
-        folders = RunConfig(TASK, runs=setting.runs).folders(out)
+        folders = RunConfig(setting.task, runs=setting.runs).folders(out)
         iterations = sum(max(iterations_of(path), 0) for path in folders)
         for again in draws[moment, 1:]:
             next_one = command(setting, out, context.seed, setting.resumed_jobs)
@@ -125,6 +123,7 @@ def compute(setting: ResumeSetting, context: Context) -> list[Row]:
 def command(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> list[str]:
     """Return the arguments of ``relforest`` in a variant."""
     options = {
+        "method": setting.method,
         "episodes": setting.episodes,
         "iterations": setting.iterations,
         "runs": setting.runs,
@@ -133,7 +132,7 @@ def command(setting: ResumeSetting, out: Path, seed: int, jobs: int) -> list[str
         "out": out,
     }
     words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
-    return ["learn", TASK, *words]
+    return ["learn", setting.task, *words]
 
 
 def kill_after(arguments: list[str], seconds: float, kill: Kill) -> tuple[bool, int]:

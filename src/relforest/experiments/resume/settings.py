@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, final
 
+from relforest.experiments.tasks import MethodName
+
 GROUP: Final = "group"
 PARENT: Final = "parent"
 
@@ -35,6 +37,8 @@ class ResumeSetting:
         first process, and SIGINT and SIGHUP to all, like Ctrl-C and a closed terminal.
     part : int
         Number of the part of its variant.
+    task, method : str
+        What is learned, and how.
     """
 
     name: str
@@ -48,6 +52,8 @@ class ResumeSetting:
     kills: int = 1
     whom: str = GROUP
     part: int = 0
+    task: str = "corridor"
+    method: MethodName = "smrf-rpi"
 
     def __str__(self) -> str:
         """Return the title and, if there are several parts, which kills these are."""
@@ -67,6 +73,12 @@ SETTINGS: Final = (
             "orphans", _ORPHANS, 2, 2, 2, episodes=40, iterations=2, moments=20, whom=PARENT, part=part
         )
         for part in range(_N_PARTS)
+    ),
+    *(
+        ResumeSetting(
+            f"smrf-q-{task}", f"smrf-q on {task}", 1, 1, 2, episodes, iterations, task=task, method="smrf-q"
+        )
+        for task, episodes, iterations in (("keepaway", 50, 3), ("high-towers", 30, 3))
     ),
 )
 SMOKE: Final = (
