@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,6 +12,7 @@ from hypothesis.extra import numpy as hnp
 
 from relforest.rl.bellman import look_ahead
 from relforest.rl.lstdq import LSTDQ, well_conditioned
+from relforest.rl.samples import Transitions
 from relforest.scenes.arrays import FloatArray, IntArray
 from rl.linear_problems import Problem, four_states, random_problem, transitions_of
 
@@ -38,14 +41,18 @@ def printed_algorithm(problem: Problem, chosen: IntArray) -> tuple[FloatArray, F
     return matrix, rewards
 
 
+def evaluated(features: Sequence[FloatArray], transitions: Transitions, chosen: IntArray) -> LSTDQ:
+    return LSTDQ.of(features, transitions, max_condition=LIMIT).with_policy(chosen)
+
+
 def test_two_states_by_hand() -> None:
     # State 0 leads to state 1 and pays nothing, state 1 to itself and pays 1; discount 1/2.
     # Q(1) = 1 + Q(1) / 2 = 2 and Q(0) = 0 + Q(1) / 2 = 1.
     transitions = transitions_of([((0, 0), 0.0, 0.5, [(0, 1)]), ((0, 1), 1.0, 0.5, [(0, 1)])])
-    problem = LSTDQ([np.eye(2)], transitions, max_condition=LIMIT)
+    problem = evaluated([np.eye(2)], transitions, np.array([0, 1]))
     # A = I - 0.5 * [[0, 1], [0, 1]].
-    assert problem.matrix(np.array([0, 1])).tolist() == [[1.0, -0.5], [0.0, 0.5]]
-    (weights,) = problem.solve(np.array([0, 1]))
+    assert problem.matrix.tolist() == [[1.0, -0.5], [0.0, 0.5]]
+    (weights,) = problem.weights()
     assert weights == pytest.approx([1.0, 2.0], abs=1e-12)
 
 
@@ -53,7 +60,7 @@ def test_tabular_values_solve_the_bellman_equation_of_the_policy() -> None:
     problem = four_states()
     n = len(problem.transitions)
     always_left = 2 * np.arange(n)
-    weights = LSTDQ(problem.features, problem.transitions, max_condition=LIMIT).solve(always_left)
+    weights = evaluated(*problem, always_left).weights()
     # P Pi of section 2.1.2 for "always left", over pairs (left 0..3, right 0..3); Q = (I - 0.9 P Pi)^-1 R.
     successors = [0, 0, 1, 2, 1, 2, 3, 3]
     transition = np.zeros((8, 8))
@@ -72,28 +79,48 @@ def test_blocks_agree_with_the_printed_algorithm(seed: int) -> None:
     start: list[FloatArray] = [rng.normal(size=(table.shape[1],)) for table in problem.features]
     chosen = look_ahead(problem.features, start, problem.transitions).chosen
     matrix, rewards = printed_algorithm(problem, chosen)
-    ours = LSTDQ(problem.features, problem.transitions, max_condition=LIMIT)
+    ours = evaluated(*problem, chosen)
     # Feature 2 of type 0 is 0 in all observed pairs: its row of A is 0, and it is cut out.
     used = [0, 1, 3, 4]
     assert not matrix[2].any()
     assert ours.n_features == 4
-    np.testing.assert_allclose(ours.matrix(chosen), matrix[np.ix_(used, used)], atol=1e-12)
+    np.testing.assert_allclose(ours.matrix, matrix[np.ix_(used, used)], atol=1e-12)
     expected = np.zeros(5)
     expected[used] = np.linalg.solve(matrix[np.ix_(used, used)], rewards[used])
-    np.testing.assert_allclose(np.concatenate(ours.solve(chosen)), expected, rtol=1e-8)
+    np.testing.assert_allclose(np.concatenate(ours.weights()), expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_more_features_and_other_policies_give_the_matrix_of_a_new_problem(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    features, transitions = random_problem(rng)
+    starts, n = transitions.next_starts, np.diff(transitions.next_starts)
+
+    def policy() -> IntArray:
+        return np.where(n > 0, starts[:-1] + rng.integers(1_000_000, size=len(n)) % np.maximum(n, 1), -1)
+
+    first, second = policy(), policy()
+    wide = evaluated([features[0][:, :1], features[1]], transitions, first).extended(0, features[0][:, 1:])
+    # The added feature comes last, after those of the other action type.
+    order = [0, 2, 3, 1]
+    for chosen in (first, second, first):
+        wide, plain = wide.with_policy(chosen), evaluated(features, transitions, chosen)
+        np.testing.assert_allclose(wide.matrix, plain.matrix[np.ix_(order, order)], atol=1e-10)
+        for ours, theirs in zip(wide.weights(), plain.weights(), strict=True):
+            np.testing.assert_allclose(ours, theirs, rtol=1e-6)
 
 
 def test_an_action_type_never_taken_has_no_weights() -> None:
     transitions = transitions_of([((0, 0), 1.0, 0.5, [(1, 0)])])
-    weights = LSTDQ([np.eye(1), np.eye(1)], transitions, max_condition=LIMIT).solve(np.array([0]))
+    weights = evaluated([np.eye(1), np.eye(1)], transitions, np.array([0])).weights()
     assert [w.tolist() for w in weights] == [[1.0], [0.0]]
 
 
 def test_no_features_at_all() -> None:
     transitions = transitions_of([((0, 0), 1.0, 0.0, [])])
-    problem = LSTDQ([np.zeros((1, 2))], transitions, max_condition=LIMIT)
+    problem = evaluated([np.zeros((1, 2))], transitions, np.array([-1]))
     assert problem.n_features == 0
-    assert problem.solve(np.array([-1]))[0].tolist() == [0.0, 0.0]
+    assert problem.weights()[0].tolist() == [0.0, 0.0]
 
 
 def test_a_singular_matrix_gets_the_constant_of_equation_3_6() -> None:
@@ -126,6 +153,6 @@ def test_features_that_repeat_each_other_are_shrunk_not_blown_up() -> None:
     # A bias and the bits of a tree always add up to it, so A is singular by construction.
     bits = np.array([[1.0, 1.0, 0.0], [1.0, 0.0, 1.0]])
     transitions = transitions_of([((0, 0), 1.0, 0.0, []), ((0, 1), 3.0, 0.0, [])])
-    (weights,) = LSTDQ([bits], transitions, max_condition=LIMIT).solve(np.array([-1, -1]))
+    (weights,) = evaluated([bits], transitions, np.array([-1, -1])).weights()
     assert bits @ weights == pytest.approx([1.0, 3.0], abs=1e-3)
     assert np.abs(weights).max() < 3.0

@@ -87,7 +87,10 @@ class RPIOptions:
     lspi_iterations: Annotated[int | None, _default(_RPI.lspi.max_iterations)] = None
     question_test: Annotated[Test | None, _default(_TREE.test, "{likelihood-ratio,permutation}")] = None
     question_alpha: Annotated[float | None, _default(_TREE.alpha)] = None
-    search: Annotated[SearchName | None, _default(_TREE.search, "{screened,exhaustive}")] = None
+    search: Annotated[
+        SearchName | None,
+        _default(f"{_TREE.search}, in keepaway screened", "{screened,exhaustive}"),
+    ] = None
     permutations: Annotated[int | None, _default(_TREE.permutations)] = None
     attempts: Annotated[int | None, _default(_TREE.attempts)] = None
     max_points: Annotated[int | None, _default(_TREE.max_points)] = None

@@ -37,6 +37,8 @@ class LSPIResult:
     reason : {"converged", "cycle", "limit"}
         Why it stopped: the weights converged, a policy recurred, or the limit was reached. In the last two
         cases the result is the policy with the smallest sum of squared Bellman errors.
+    problem : LSTDQ
+        That of the policy evaluated last.
     """
 
     weights: tuple[FloatArray, ...]
@@ -44,6 +46,7 @@ class LSPIResult:
     n_features: int
     iterations: int
     reason: Reason
+    problem: LSTDQ
 
 
 def lspi(
@@ -52,6 +55,7 @@ def lspi(
     weights: Sequence[FloatArray],
     *,
     settings: LSPISettings | None = None,
+    problem: LSTDQ | None = None,
 ) -> LSPIResult:
     """Learn the weights of a greedy policy.
 
@@ -64,6 +68,8 @@ def lspi(
     weights : sequence of (k_a,) float64
         Initial weights: their greedy policy is evaluated first.
     settings : LSPISettings, optional
+    problem : LSTDQ, optional
+        That of any policy with these features, where it is known.
 
     References
     ----------
@@ -71,7 +77,7 @@ def lspi(
     what to do when policies alternate forever; keeping the one with the smallest residual is our choice.
     """
     settings = settings or LSPISettings()
-    problem = LSTDQ(features, transitions, max_condition=settings.max_condition)
+    problem = problem or LSTDQ.of(features, transitions, max_condition=settings.max_condition)
     current = tuple(weights)
     ahead = look_ahead(features, current, transitions)
     best: tuple[tuple[FloatArray, ...], Lookahead] | None = None
@@ -81,7 +87,8 @@ def lspi(
         report("policy iteration", len(seen), settings.max_iterations)
         policy = _fingerprint(ahead.chosen)
         seen.add(policy)
-        improved = problem.solve(ahead.chosen)
+        problem = problem.with_policy(ahead.chosen)
+        improved = problem.weights()
         change = _distance(improved, current)
         current, ahead = improved, look_ahead(features, improved, transitions)
         if best is None or ahead.squared_error < best[1].squared_error:
@@ -89,11 +96,11 @@ def lspi(
         following = _fingerprint(ahead.chosen)
         # The weights depend only on the policy, so evaluating the same policy again would change nothing.
         if change < settings.epsilon or following == policy:
-            return LSPIResult(current, ahead, problem.n_features, len(seen), "converged")
+            return LSPIResult(current, ahead, problem.n_features, len(seen), "converged", problem)
         if following in seen:
             reason = "cycle"
             break
-    return LSPIResult(*(best or (current, ahead)), problem.n_features, len(seen), reason)
+    return LSPIResult(*(best or (current, ahead)), problem.n_features, len(seen), reason, problem)
 
 
 def _fingerprint(chosen: IntArray) -> bytes:

@@ -10,7 +10,8 @@ Letters: n transitions, m_a pairs and k_a features of action type a, k features 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import final
+from dataclasses import dataclass, replace
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -18,90 +19,126 @@ from relforest.rl.samples import Transitions
 from relforest.scenes.arrays import FloatArray, IntArray
 
 
+class Block(NamedTuple):
+    """Features of one action type that were added together."""
+
+    number: int  # of the action type
+    width: int  # how many features there are
+    used: IntArray  # those with data
+    place: slice  # of these among all
+    table: FloatArray  # (m_a, k) of every pair
+    taken: FloatArray  # (n_a, k) of the observed pairs
+
+
 @final
+@dataclass(frozen=True, slots=True, eq=False)
 class LSTDQ:
-    """The regression problem of one set of features and transitions, for any number of policies.
+    """The regression problem of a policy, from which those of other policies and more features are derived.
+
+    Use `of`.
 
     Parameters
     ----------
-    features : sequence of (m_a, k_a) float64
-        For each action type the features of its state-action pairs.
     transitions : Transitions
+    owners : tuple of (n_a,) int64
+        The transitions of each action type.
     max_condition : float
         Largest condition number (from singular values) that A may have, above 1.
-
-    Notes
-    -----
-    Features that are 0 in every observed pair are cut out and get the weight 0 (section 7.2).
-    What does not depend on the policy, Phi^T Phi and Phi^T r, is computed once.
+    chosen : (n,) int64
+        For each transition the policy's action in s' as a position among all candidates, -1 where nothing
+        follows.
+    blocks : tuple of Block
+        The features. Those that are 0 in every observed pair are cut out and get the weight 0 (section 7.2).
+    matrix : (k, k) float64
+        A.
+    rewards : (k,) float64
+        b.
 
     References
     ----------
     Palmer (2015), Algorithm 2.1, section 6.4 and section 7.2; Lagoudakis and Parr (2003).
     """
 
-    def __init__(
-        self, features: Sequence[FloatArray], transitions: Transitions, *, max_condition: float
-    ) -> None:
-        self._transitions = transitions
-        self._max_condition = max_condition
-        self._widths = [phi.shape[1] for phi in features]
-        self._owners = [np.flatnonzero(transitions.types == number) for number in range(len(features))]
-        taken = [phi[transitions.rows[own]] for phi, own in zip(features, self._owners, strict=True)]
-        self._used = [np.flatnonzero(phi.any(axis=0)) for phi in taken]
-        self._features = [phi.take(used, axis=1) for phi, used in zip(features, self._used, strict=True)]
-        self._taken = [phi.take(used, axis=1) for phi, used in zip(taken, self._used, strict=True)]
-        ends = np.cumsum([len(used) for used in self._used])
-        self._blocks = [slice(end - len(used), end) for end, used in zip(ends, self._used, strict=True)]
-        self._gram = np.zeros((self.n_features, self.n_features))
-        self._rewards = np.zeros(self.n_features)
-        for block, phi, own in zip(self._blocks, self._taken, self._owners, strict=True):
-            self._gram[block, block] = phi.T @ phi
-            self._rewards[block] = phi.T @ transitions.rewards[own]
+    transitions: Transitions
+    owners: tuple[IntArray, ...]
+    max_condition: float
+    chosen: IntArray
+    blocks: tuple[Block, ...]
+    matrix: FloatArray
+    rewards: FloatArray
+
+    @classmethod
+    def of(cls, features: Sequence[FloatArray], transitions: Transitions, *, max_condition: float) -> LSTDQ:
+        """Return the problem of these features (m_a, k_a) of each action type, if nothing ever followed."""
+        owners = tuple(np.flatnonzero(transitions.types == number) for number in range(len(features)))
+        nothing = np.full(len(transitions), -1)
+        problem = cls(transitions, owners, max_condition, nothing, (), np.zeros((0, 0)), np.zeros(0))
+        for number, table in enumerate(features):
+            problem = problem.extended(number, table)
+        return problem
 
     @property
     def n_features(self) -> int:
         """Number k of features in use."""
-        return sum(len(used) for used in self._used)
+        return len(self.rewards)
 
-    def matrix(self, chosen: IntArray) -> FloatArray:
-        """Return A of the policy that takes the `chosen` next actions; (k, k)."""
-        transitions = self._transitions
-        follows = np.flatnonzero(chosen >= 0)
-        next_types = np.full(len(transitions), -1)
-        next_types[follows] = transitions.next_types[chosen[follows]]
-        matrix = self._gram.copy()
-        for block, phi, own in zip(self._blocks, self._taken, self._owners, strict=True):
-            for number, (next_block, table) in enumerate(zip(self._blocks, self._features, strict=True)):
-                here = np.flatnonzero(next_types[own] == number)
-                moved = own[here]
-                following = table[transitions.next_rows[chosen[moved]]]
-                following *= transitions.discounts[moved, None]
-                matrix[block, next_block] -= phi[here].T @ following
-        return matrix
+    def extended(self, number: int, columns: FloatArray) -> LSTDQ:
+        """Return the problem of the same policy with more features (m_a, k) of one action type.
 
-    def solve(self, chosen: IntArray) -> tuple[FloatArray, ...]:
-        """Return the weights that evaluate a policy.
-
-        Parameters
-        ----------
-        chosen : (n,) int64
-            For each transition the policy's action in s' as a position among all candidates, -1 where nothing
-            follows.
-
-        Returns
-        -------
-        tuple of (k_a,) float64
-            For each action type the weights of all its features; 0 for features without data.
+        A only gets more rows and columns.
         """
+        own, before = self.owners[number], self.n_features
+        taken = columns[self.transitions.rows[own]]
+        used = np.flatnonzero(taken.any(axis=0))
+        place = slice(before, before + len(used))
+        added = Block(
+            number, columns.shape[1], used, place, columns.take(used, axis=1), taken.take(used, axis=1)
+        )
+        blocks, every = (*self.blocks, added), np.arange(len(self.transitions))
+        matrix = np.pad(self.matrix, (0, len(used)))
+        for block in blocks:
+            for row, column in ((added, block), (block, added)):
+                gram = row.taken.T @ column.taken if row.number == column.number else 0.0
+                matrix[row.place, column.place] = gram - self._following(row, column, self.chosen, every)
+        rewards = np.concatenate([self.rewards, added.taken.T @ self.transitions.rewards[own]])
+        return replace(self, blocks=blocks, matrix=matrix, rewards=rewards)
+
+    def with_policy(self, chosen: IntArray) -> LSTDQ:
+        """Return the problem of another policy (n,).
+
+        Only transitions after which it does something else change A.
+        """
+        changed = np.flatnonzero(chosen != self.chosen)
+        matrix = self.matrix.copy()
+        for row in self.blocks:
+            for column in self.blocks:
+                matrix[row.place, column.place] += self._following(row, column, self.chosen, changed)
+                matrix[row.place, column.place] -= self._following(row, column, chosen, changed)
+        return replace(self, chosen=chosen, matrix=matrix)
+
+    def weights(self) -> tuple[FloatArray, ...]:
+        """Return the weights that evaluate the policy: for each action type those of all its features."""
         solution: FloatArray = np.empty(0)
         if self.n_features:
-            matrix = well_conditioned(self.matrix(chosen), self._max_condition)
-            solution = np.asarray(np.linalg.solve(matrix, self._rewards), dtype=np.float64)
-        weights = tuple(np.zeros(width) for width in self._widths)
-        for full, used, block in zip(weights, self._used, self._blocks, strict=True):
-            full[used] = solution[block]
-        return weights
+            matrix = well_conditioned(self.matrix, self.max_condition)
+            solution = np.asarray(np.linalg.solve(matrix, self.rewards), dtype=np.float64)
+        weights: list[list[FloatArray]] = [[] for _ in self.owners]
+        for block in self.blocks:
+            full = np.zeros(block.width)
+            full[block.used] = solution[block.place]
+            weights[block.number].append(full)
+        return tuple(np.concatenate(parts) for parts in weights)
+
+    def _following(self, row: Block, column: Block, chosen: IntArray, some: IntArray) -> FloatArray:
+        """Return the part of discount * Phi^T Phi' that is due to some transitions, (k_row, k_column)."""
+        transitions = self.transitions
+        some = some[(transitions.types[some] == row.number) & (chosen[some] >= 0)]
+        some = some[transitions.next_types[chosen[some]] == column.number]
+        following = column.table[transitions.next_rows[chosen[some]]]
+        following *= transitions.discounts[some, None]
+        here = np.searchsorted(self.owners[row.number], some)
+        found: FloatArray = row.taken[here].T @ following
+        return found
 
 
 def well_conditioned(matrix: FloatArray, limit: float) -> FloatArray:

@@ -181,7 +181,8 @@ def _tested(now: _Round, number: int, columns: FloatArray) -> Fit:
     tables = list(now.tables)
     tables[number] = np.hstack([tables[number], columns])
     start = _widened(now.policy.weights, tables)
-    result = lspi(tables, now.samples.lspi, start, settings=now.settings.lspi)
+    problem = now.policy.problem.extended(number, columns)
+    result = lspi(tables, now.samples.lspi, start, settings=now.settings.lspi, problem=problem)
     return fit_of(result.lookahead, result.n_features)
 
 

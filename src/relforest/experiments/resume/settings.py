@@ -78,7 +78,7 @@ SETTINGS: Final = (
         ResumeSetting(
             f"smrf-q-{task}", f"smrf-q on {task}", 1, 1, 2, episodes, iterations, task=task, method="smrf-q"
         )
-        for task, episodes, iterations in (("keepaway", 50, 3), ("high-towers", 30, 3))
+        for task, episodes, iterations in (("keepaway", 30, 3), ("high-towers", 10, 3))
     ),
 )
 SMOKE: Final = (
