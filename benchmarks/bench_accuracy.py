@@ -68,7 +68,7 @@ SEEDS = 3
 
 def on_passes(path: Path) -> Iterator[tuple[Cell, ...]]:
     """Yield the area under the ROC curve of each model for failed passes, mean of the folds of a shuffle."""
-    problem = passes(path)
+    problem = passes(path, Attribute("team", kind="category"))
     scenes, labels = problem.scenes, problem.labels
     for name, model in ON_PASSES.items():
         areas, seconds = [], []
@@ -140,8 +140,8 @@ def _zendo(table: pa.Table) -> tuple[Scenes, NDArray[np.bool_]]:
             "location": ("x", "y"),
             "size": "size",
             "rotation": "rotation",
-            "color": "color",
-            "orientation": "orientation",
+            Attribute("color", kind="category"): "color",
+            Attribute("orientation", kind="category"): "orientation",
         },
     )
     label_of = dict(zip(table["scene"].to_pylist(), table["label"].to_pylist(), strict=True))
