@@ -13,8 +13,8 @@ from table import Cell, Table
 
 from relforest.rl.bellman import look_ahead
 from relforest.rl.learner import RPILearner
-from relforest.rl.lspi import lspi
-from relforest.rl.lstdq import well_conditioned
+from relforest.rl.lspi import LSPIResult, lspi
+from relforest.rl.lstdq import LSTDQ, well_conditioned
 from relforest.rl.samples import Transitions
 from relforest.rl.settings import LSPISettings, RPISettings
 from relforest.runs import advance
@@ -68,8 +68,12 @@ def _compare(n: int, width: int) -> tuple[Cell, ...]:
     problems = [_problem(np.random.default_rng(seed), n, width) for seed in range(REPEATS)]
     zero = (np.zeros(width),) * TYPES
     settings = LSPISettings()
-    policies = [lspi(*problem, zero, settings=settings).iterations for problem in problems]
-    ours = median_seconds(lambda problem: lspi(*problem, zero, settings=settings), problems)
+
+    def learned(problem: tuple[list[NDArray[np.float64]], Transitions]) -> LSPIResult:
+        return lspi(LSTDQ.of(*problem, settings.max_condition), zero, settings)
+
+    policies = [learned(problem).iterations for problem in problems]
+    ours = median_seconds(learned, problems)
     theirs = median_seconds(
         lambda pair: _dense(*pair[0], zero, pair[1], settings), zip(problems, policies, strict=True)
     )

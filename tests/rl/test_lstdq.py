@@ -42,7 +42,7 @@ def printed_algorithm(problem: Problem, chosen: IntArray) -> tuple[FloatArray, F
 
 
 def evaluated(features: Sequence[FloatArray], transitions: Transitions, chosen: IntArray) -> LSTDQ:
-    return LSTDQ.of(features, transitions, max_condition=LIMIT).with_policy(chosen)
+    return LSTDQ.of(features, transitions, LIMIT).with_policy(chosen)
 
 
 def test_two_states_by_hand() -> None:
@@ -108,6 +108,10 @@ def test_more_features_and_other_policies_give_the_matrix_of_a_new_problem(seed:
         np.testing.assert_allclose(wide.matrix, plain.matrix[np.ix_(order, order)], atol=1e-10)
         for ours, theirs in zip(wide.weights(), plain.weights(), strict=True):
             np.testing.assert_allclose(ours, theirs, rtol=1e-6)
+        seen = wide.look_ahead(wide.weights())
+        expected = look_ahead(features, wide.weights(), transitions)
+        np.testing.assert_array_equal(seen.chosen, expected.chosen)
+        np.testing.assert_allclose(seen.errors, expected.errors, rtol=1e-9)
 
 
 def test_an_action_type_never_taken_has_no_weights() -> None:

@@ -7,7 +7,8 @@ import pytest
 
 from interpreted import compiled_only
 from relforest.rl.bellman import error_labels, look_ahead
-from relforest.rl.lspi import lspi
+from relforest.rl.lspi import LSPIResult, lspi
+from relforest.rl.lstdq import LSTDQ
 from relforest.rl.policy import RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.rounds import improve
@@ -45,6 +46,11 @@ def tables_of(value: ValueFunction, samples: Samples) -> list[np.ndarray]:
     ]
 
 
+def fitted_to(value: ValueFunction, samples: Samples) -> LSPIResult:
+    problem = LSTDQ.of(tables_of(value, samples), samples.lspi, SETTINGS.lspi.max_condition)
+    return lspi(problem, value.weights)
+
+
 def as_plain(value: ValueFunction) -> tuple[object, ...]:
     return (
         [[tree.to_dict() for tree in trees] for trees in value.forests],
@@ -64,14 +70,14 @@ def test_at_most_one_tree_per_type_and_round(learned: ValueFunction) -> None:
 
 
 def test_the_weights_are_those_of_policy_iteration(learned: ValueFunction, samples: Samples) -> None:
-    again = lspi(tables_of(learned, samples), samples.lspi, learned.weights)
+    again = fitted_to(learned, samples)
     np.testing.assert_allclose(
         np.concatenate(again.weights), np.concatenate(learned.weights), rtol=1e-6, atol=1e-9
     )
 
 
 def test_trees_reduce_the_scaled_error_of_the_fit(learned: ValueFunction, samples: Samples) -> None:
-    before = lspi(tables_of(NOTHING, samples), samples.lspi, NOTHING.weights)
+    before = fitted_to(NOTHING, samples)
     after = look_ahead(tables_of(learned, samples), learned.weights, samples.lspi)
     assert fit_of(after, 3).squared_error < fit_of(before.lookahead, 2).squared_error
 
@@ -103,7 +109,7 @@ def test_no_significant_tree_leaves_the_representation_and_still_fits_the_policy
     strict = replace(SETTINGS, tree=TreeSettings(alpha=1e-300))
     found = improve(NOTHING, samples, settings=strict, seed=SEED)
     assert found.n_trees == 0
-    fitted = lspi(tables_of(NOTHING, samples), samples.lspi, NOTHING.weights)
+    fitted = fitted_to(NOTHING, samples)
     np.testing.assert_array_equal(np.concatenate(found.weights), np.concatenate(fitted.weights))
 
 

@@ -60,7 +60,11 @@ def look_ahead(
     ----------
     Palmer (2015), eq. 2.3 and section 6.3, in the form for options (section 2.1).
     """
-    table = [phi @ w for phi, w in zip(features, weights, strict=True)]
+    return look_ahead_at([phi @ w for phi, w in zip(features, weights, strict=True)], transitions)
+
+
+def look_ahead_at(table: Sequence[FloatArray], transitions: Transitions) -> Lookahead:
+    """Evaluate the values (m_a,) of all state-action pairs of each action type; see `look_ahead`."""
     following = _lookup(table, transitions.next_types, transitions.next_rows)
     chosen = np.empty(len(transitions), dtype=np.int64)
     segment_argmax(following, transitions.next_starts, chosen)

@@ -9,9 +9,8 @@ from typing import Literal, final
 
 import numpy as np
 
-from relforest.rl.bellman import Lookahead, look_ahead
+from relforest.rl.bellman import Lookahead
 from relforest.rl.lstdq import LSTDQ
-from relforest.rl.samples import Transitions
 from relforest.rl.settings import LSPISettings
 from relforest.scenes.arrays import FloatArray, IntArray
 from relforest.support.progress import report
@@ -49,27 +48,16 @@ class LSPIResult:
     problem: LSTDQ
 
 
-def lspi(
-    features: Sequence[FloatArray],
-    transitions: Transitions,
-    weights: Sequence[FloatArray],
-    *,
-    settings: LSPISettings | None = None,
-    problem: LSTDQ | None = None,
-) -> LSPIResult:
+def lspi(problem: LSTDQ, weights: Sequence[FloatArray], settings: LSPISettings | None = None) -> LSPIResult:
     """Learn the weights of a greedy policy.
 
     Parameters
     ----------
-    features : sequence of (m_a, k_a) float64
-        For each action type the features of its state-action pairs; trees are not queried here.
-    transitions : Transitions
-        At least one.
+    problem : LSTDQ
+        That of any policy.
     weights : sequence of (k_a,) float64
         Initial weights: their greedy policy is evaluated first.
     settings : LSPISettings, optional
-    problem : LSTDQ, optional
-        That of any policy with these features, where it is known.
 
     References
     ----------
@@ -77,9 +65,8 @@ def lspi(
     what to do when policies alternate forever; keeping the one with the smallest residual is our choice.
     """
     settings = settings or LSPISettings()
-    problem = problem or LSTDQ.of(features, transitions, max_condition=settings.max_condition)
     current = tuple(weights)
-    ahead = look_ahead(features, current, transitions)
+    ahead = problem.look_ahead(current)
     best: tuple[tuple[FloatArray, ...], Lookahead] | None = None
     seen: set[bytes] = set()
     reason: Reason = "limit"
@@ -90,7 +77,7 @@ def lspi(
         problem = problem.with_policy(ahead.chosen)
         improved = problem.weights()
         change = _distance(improved, current)
-        current, ahead = improved, look_ahead(features, improved, transitions)
+        current, ahead = improved, problem.look_ahead(improved)
         if best is None or ahead.squared_error < best[1].squared_error:
             best = (current, ahead)
         following = _fingerprint(ahead.chosen)

@@ -15,6 +15,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from relforest.rl.bellman import Lookahead, look_ahead_at
 from relforest.rl.samples import Transitions
 from relforest.scenes.arrays import FloatArray, IntArray
 
@@ -23,11 +24,10 @@ class Block(NamedTuple):
     """Features of one action type that were added together."""
 
     number: int  # of the action type
-    width: int  # how many features there are
     used: IntArray  # those with data
     place: slice  # of these among all
-    table: FloatArray  # (m_a, k) of every pair
-    taken: FloatArray  # (n_a, k) of the observed pairs
+    table: FloatArray  # (m_a, width) of every pair
+    taken: FloatArray  # (n_a, k) of the observed pairs, if used
 
 
 @final
@@ -68,7 +68,7 @@ class LSTDQ:
     rewards: FloatArray
 
     @classmethod
-    def of(cls, features: Sequence[FloatArray], transitions: Transitions, *, max_condition: float) -> LSTDQ:
+    def of(cls, features: Sequence[FloatArray], transitions: Transitions, max_condition: float) -> LSTDQ:
         """Return the problem of these features (m_a, k_a) of each action type, if nothing ever followed."""
         owners = tuple(np.flatnonzero(transitions.types == number) for number in range(len(features)))
         nothing = np.full(len(transitions), -1)
@@ -91,9 +91,7 @@ class LSTDQ:
         taken = columns[self.transitions.rows[own]]
         used = np.flatnonzero(taken.any(axis=0))
         place = slice(before, before + len(used))
-        added = Block(
-            number, columns.shape[1], used, place, columns.take(used, axis=1), taken.take(used, axis=1)
-        )
+        added = Block(number, used, place, columns, taken.take(used, axis=1))
         blocks, every = (*self.blocks, added), np.arange(len(self.transitions))
         matrix = np.pad(self.matrix, (0, len(used)))
         for block in blocks:
@@ -124,17 +122,27 @@ class LSTDQ:
             solution = np.asarray(np.linalg.solve(matrix, self.rewards), dtype=np.float64)
         weights: list[list[FloatArray]] = [[] for _ in self.owners]
         for block in self.blocks:
-            full = np.zeros(block.width)
+            full = np.zeros(block.table.shape[1])
             full[block.used] = solution[block.place]
             weights[block.number].append(full)
         return tuple(np.concatenate(parts) for parts in weights)
+
+    def look_ahead(self, weights: Sequence[FloatArray]) -> Lookahead:
+        """Return what weights of all features say, see `relforest.rl.bellman.look_ahead`."""
+        values: list[FloatArray] = [np.zeros(0)] * len(self.owners)
+        ends = [0] * len(self.owners)
+        for number, _, _, table, _ in self.blocks:
+            first, ends[number] = ends[number], ends[number] + table.shape[1]
+            part = table @ weights[number][first : ends[number]]
+            values[number] = values[number] + part if first else part
+        return look_ahead_at(values, self.transitions)
 
     def _following(self, row: Block, column: Block, chosen: IntArray, some: IntArray) -> FloatArray:
         """Return the part of discount * Phi^T Phi' that is due to some transitions, (k_row, k_column)."""
         transitions = self.transitions
         some = some[(transitions.types[some] == row.number) & (chosen[some] >= 0)]
         some = some[transitions.next_types[chosen[some]] == column.number]
-        following = column.table[transitions.next_rows[chosen[some]]]
+        following = column.table[transitions.next_rows[chosen[some]]].take(column.used, axis=1)
         following *= transitions.discounts[some, None]
         here = np.searchsorted(self.owners[row.number], some)
         found: FloatArray = row.taken[here].T @ following

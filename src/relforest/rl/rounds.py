@@ -17,6 +17,7 @@ from relforest.forests.tree_features import tree_features
 from relforest.rl.bellman import error_labels, look_ahead
 from relforest.rl.experience import BoolArray
 from relforest.rl.lspi import LSPIResult, lspi
+from relforest.rl.lstdq import LSTDQ
 from relforest.rl.samples import Samples
 from relforest.rl.selection import Fit, fit_of, select
 from relforest.rl.settings import RPISettings
@@ -114,7 +115,7 @@ def improve(
     )
     # The first labels come from the values that the agent acted on; only then are they fitted to the samples.
     errors = look_ahead(tables, value.weights, samples.latest).errors
-    policy = lspi(tables, samples.lspi, value.weights, settings=settings.lspi)
+    policy = lspi(LSTDQ.of(tables, samples.lspi, settings.lspi.max_condition), value.weights, settings.lspi)
     forests = value.forests
     for number in range(settings.max_rounds):
         now = _Round(samples, settings, tables, policy, error_labels(errors, samples.latest.types))
@@ -129,7 +130,8 @@ def improve(
             table if new is None else np.hstack([table, new.columns])
             for table, new in zip(tables, added, strict=True)
         )
-        policy = lspi(tables, samples.lspi, _widened(policy.weights, tables), settings=settings.lspi)
+        problem = LSTDQ.of(tables, samples.lspi, settings.lspi.max_condition)
+        policy = lspi(problem, _widened(policy.weights, tables), settings.lspi)
         errors = look_ahead(tables, policy.weights, samples.latest).errors
     return replace(value, forests=forests, weights=policy.weights)
 
@@ -178,11 +180,9 @@ def _candidate(
 
 def _tested(now: _Round, number: int, columns: FloatArray) -> Fit:
     """Learn a policy with the columns of one more tree (the wrapper of section 6.3)."""
-    tables = list(now.tables)
-    tables[number] = np.hstack([tables[number], columns])
-    start = _widened(now.policy.weights, tables)
-    problem = now.policy.problem.extended(number, columns)
-    result = lspi(tables, now.samples.lspi, start, settings=now.settings.lspi, problem=problem)
+    start = list(now.policy.weights)
+    start[number] = np.pad(start[number], (0, columns.shape[1]))
+    result = lspi(now.policy.problem.extended(number, columns), start, now.settings.lspi)
     return fit_of(result.lookahead, result.n_features)
 
 

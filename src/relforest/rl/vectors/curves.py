@@ -17,6 +17,7 @@ from scipy.linalg import cho_factor, cho_solve
 from relforest.rl.fitted.evidence import Evidence, check_values
 from relforest.rl.fitted.questions import N_KNOTS, curves, hats, knots_of
 from relforest.rl.lspi import lspi
+from relforest.rl.lstdq import LSTDQ
 from relforest.rl.samples import Transitions
 from relforest.rl.settings import LSPISettings
 from relforest.rl.vectors.approximator import Model, Rows
@@ -164,7 +165,7 @@ class LSPI:
         # A ridge is so many transitions with a single feature that earn nothing and end.
         table = np.vstack([features, np.diag(np.sqrt(design.penalty(self.ridge)))])
         transitions = _transitions(evidence, np.arange(len(features), len(table)))
-        found = lspi([table], transitions, [weights], settings=self.settings)
+        found = lspi(LSTDQ.of([table], transitions, self.settings.max_condition), [weights], self.settings)
         learned = design.curves(found.weights[0])
         check_values(learned.values(rows), evidence)
         return learned
