@@ -83,6 +83,12 @@ def test_runs_go_to_a_folder_of_their_task(
             ("keepaway", "--method", "lspi", "--q-ridge", "3"),
             "--q-ridge is an option of smrf-q: leave it out",
         ),
+        (("corridor", "--from", "run"), "--from is for smrf-q and sarsa-on-smrf: leave it out with --method"),
+        (
+            ("corridor", "--method", "smrf-q", "--from", "run", "--questions-from", "run"),
+            "--from and --questions-from exclude each other",
+        ),
+        (("keepaway", "--method", "sarsa-on-smrf"), "needs the trees of a run of smrf-rpi: give --from"),
     ],
 )
 def test_bad_options_are_one_clear_line(

@@ -10,10 +10,14 @@ import pytest
 from matplotlib.figure import Figure
 
 from relforest.experiments.claims import Claim, Findings
+from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runner import run_study
+from relforest.experiments.runs import RunInFolder
 from relforest.experiments.sheets import Sheet
 from relforest.experiments.study import Context, Study, Unavailable
 from relforest.experiments.table import Row, Table
+from relforest.rl.fitted.settings import Source
+from relforest.runs.store import read_checkpoint
 from relforest.support.errors import InputError, RunFolderError
 from relforest.support.rng import generator
 
@@ -251,3 +255,21 @@ def test_findings_may_bring_documents(tmp_path: Path) -> None:
 
     run_study(replace(STUDY, summarize=with_table), tmp_path)
     assert "| all | 9 |" in (tmp_path / "tables.md").read_text()
+
+
+def beginning_with(folder: Path | None, context: Context) -> RunInFolder:
+    source = None if folder is None else Source(folder)
+    config = RunConfig("corridor", 4, 1, test_episodes=1, method="smrf-q", source=source)
+    return RunInFolder(config, 0, context.folder / "runs" / str(context.index))
+
+
+def test_runs_are_learned_after_those_that_they_begin_with(tmp_path: Path) -> None:
+    # The first setting needs the run of the second.
+    def learned(setting: Throws, context: Context) -> RunInFolder:
+        return beginning_with(tmp_path / "runs" / "1" if setting.count == 2 else None, context)
+
+    run_study(replace(STUDY, settings=STUDY.settings[:2], learned=learned), tmp_path)
+
+    begun, source = (read_checkpoint(tmp_path / "runs" / name) for name in ("0", "1"))
+    assert begun.configuration["from"] == str(tmp_path / "runs" / "1")
+    assert begun.iteration == source.iteration == 1

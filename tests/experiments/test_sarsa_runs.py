@@ -155,7 +155,7 @@ def test_sarsa_learns_weights_for_the_trees_of_another_run_and_no_longer_needs_i
 
 
 def test_trees_must_come_from_a_run_of_smrf_rpi_in_keepaway(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the trees of a run of smrf-rpi: name it"):
+    with pytest.raises(InputError, match="needs the trees of a run of smrf-rpi: pass it as source"):
         replace(SMALL, method="sarsa-on-smrf")
     learn_runs(RunConfig("corridor", episodes=1, iterations=1, test_episodes=1), tmp_path / "corridor")
     learn_runs(replace(SMALL, method="smrf-rpi"), tmp_path / "few")

@@ -167,6 +167,8 @@ def _config(options: LearnOptions) -> RunConfig:
             f"--method {options.method} is not for {task.name}: use {' or '.join(task.pictures)}"
         )
     values: dict[str, Any] = {} if own is None else getattr(options, own).config(task)
+    if options.from_ is None and METHODS[options.method].needs_source:
+        raise UsageError(f"--method {options.method} needs the trees of a run of smrf-rpi: give --from")
     if options.from_ is not None:
         if "source" not in METHODS[options.method].options:
             raise UsageError(

@@ -103,9 +103,7 @@ class RunConfig:
                 "install the extra 'relforest[bench]'"
             )
         if chosen.needs_source and (self.source is None or self.source.what != "policy"):
-            raise InputError(
-                f"{self.method} learns weights for the trees of a run of smrf-rpi: name it (--from RUN)"
-            )
+            raise InputError(f"{self.method} needs the trees of a run of smrf-rpi: pass it as source")
         every = {name for method in METHODS.values() for name in method.options}
         for name in sorted(every - self.options.keys()):
             if getattr(self, name) is not None:

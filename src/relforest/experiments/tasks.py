@@ -159,7 +159,7 @@ _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
 
 def _keepaway(name: str, keepers: int, takers: int, size: float) -> Task:
     options = {"keepers": keepers, "takers": takers, "size": size}
-    # The exhaustive search of the source takes nine times as long here, and its policies are not better.
+    # The exhaustive search of the source takes nine times as long here.
     settings = RPISettings(tree=TreeSettings(search="screened"))
     return Task(name, "keepaway", options, settings=settings, pictures=_KEEPAWAY_PICTURES)
 
