@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,17 +24,47 @@ from relforest.forests.packing import (
     Packed,
 )
 from relforest.mappings.kernels import map_point
-from relforest.support.jit import inlined, kernel
+from relforest.mappings.related import RELATED
+from relforest.scenes.pairs import is_related
+from relforest.support.jit import hold, inlined, kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+class Facts(NamedTuple):
+    """What is known about object rows."""
+
+    matrix: NDArray[np.float64]  # (n_rows, width)
+    pairs: NDArray[np.int64]  # (n_pairs, 3), see `relforest.scenes.Scenes.pairs`
+
+
+@inlined
+def look(
+    row: NDArray[np.int64],
+    facts: Facts,
+    bound: NDArray[np.int64],
+    points: NDArray[np.float64],
+    place: int,
+) -> bool:
+    """Write the value of a mapping of bound object rows into ``points[place]``; False if it is undefined."""
+    a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
+    objects = (bound[a], bound[b] if b >= 0 else -1, bound[c] if c >= 0 else -1)
+    if row[OPERATION] == RELATED:
+        points[place, 0] = 1.0 if is_related(facts.pairs, row[OFFSET], objects[0], objects[1]) else 0.0
+        is_defined = objects[0] >= 0 and objects[1] >= 0
+    else:
+        span = (row[OFFSET], row[DIM])
+        is_defined = map_point(row[OPERATION], row[CIRCULAR] == 1, span, facts.matrix, objects, points, place)
+    hold(facts.matrix, facts.pairs)
+    return bool(is_defined)
 
 
 @inlined
 def excess(
     packed: Packed,
     statement: int,
-    matrix: NDArray[np.float64],
+    facts: Facts,
     bound: NDArray[np.int64],
     point: NDArray[np.float64],
 ) -> float:
@@ -43,11 +73,8 @@ def excess(
     For `Bound` in the units of the mapping, for `Near` the sum of squares less 1, for `Is` 0.5 or -0.5; NaN
     if the mapping is undefined. `point` (1, d) is space for its value.
     """
-    row, numbers = packed.statements[statement], packed.numbers[statement]
-    a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
-    objects = (bound[a], bound[b] if b >= 0 else -1, bound[c] if c >= 0 else -1)
-    result = np.nan
-    if map_point(row[OPERATION], row[CIRCULAR] == 1, (row[OFFSET], row[DIM]), matrix, objects, point, 0):
+    numbers, result = packed.numbers[statement], np.nan
+    if look(packed.statements[statement], facts, bound, point, 0):
         second = int(numbers[SECOND])
         y = point[0, second] if second >= 0 else 0.0
         result = value(numbers, point[0, int(numbers[FIRST])], y) - numbers[LIMIT]
@@ -58,12 +85,12 @@ def excess(
 def _all_true(
     packed: Packed,
     condition: int,
-    matrix: NDArray[np.float64],
+    facts: Facts,
     bound: NDArray[np.int64],
     point: NDArray[np.float64],
 ) -> bool:
     for statement in range(packed.conditions[condition, BEGIN], packed.conditions[condition, END]):
-        if not excess(packed, statement, matrix, bound, point) <= 0.0:
+        if not excess(packed, statement, facts, bound, point) <= 0.0:
             return False
     return True
 
@@ -89,7 +116,7 @@ def following(objects: NDArray[np.int64], arguments: NDArray[np.int64], place: i
 def condition_holds(
     packed: Packed,
     condition: int,
-    matrix: NDArray[np.float64],
+    facts: Facts,
     objects: NDArray[np.int64],
     arguments: NDArray[np.int64],
     bound: NDArray[np.int64],
@@ -107,7 +134,7 @@ def condition_holds(
     bound[:n_arguments] = arguments
     bound[n_arguments:] = -1
     if n_free == 0:
-        return _all_true(packed, condition, matrix, bound, point)
+        return _all_true(packed, condition, facts, bound, point)
     found, needs_every = 0, needed == 0
     first = following(objects, arguments, -1, -1)
     while first < len(objects) and not stop[0]:
@@ -120,7 +147,7 @@ def condition_holds(
         while second < len(objects):
             if n_free == 2:
                 bound[n_arguments + 1] = objects[second]
-            if _all_true(packed, condition, matrix, bound, point):
+            if _all_true(packed, condition, facts, bound, point):
                 found += 1
                 if found >= needed:
                     if needs_every:
@@ -134,7 +161,7 @@ def condition_holds(
 @kernel
 def leaves(
     packed: Packed,
-    matrix: NDArray[np.float64],
+    facts: Facts,
     scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
     begin: int,
     end: int,
@@ -144,13 +171,13 @@ def leaves(
     """Write the leaf of every tree (n_scenes, n_trees) for scenes from `begin` to `end`, unless stopped."""
     rows, starts, counts, arguments = scenes
     bound = np.empty(arguments.shape[1] + 2, dtype=np.int64)
-    point = np.empty((1, max(matrix.shape[1], 2)))
+    point = np.empty((1, max(facts.matrix.shape[1], 2)))
     for i in range(begin, end):
         objects = rows[starts[i] : starts[i] + counts[i]]
         for tree in range(len(packed.roots)):
             node = packed.roots[tree]
             while packed.nodes[node, CONDITION] >= 0:
                 asked = packed.nodes[node, CONDITION]
-                is_true = condition_holds(packed, asked, matrix, objects, arguments[i], bound, point, stop)
+                is_true = condition_holds(packed, asked, facts, objects, arguments[i], bound, point, stop)
                 node = packed.nodes[node, YES if is_true else NO]
             out[i, tree] = packed.nodes[node, LEAF]

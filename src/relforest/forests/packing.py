@@ -9,6 +9,7 @@ import numpy as np
 from relforest.forests.forms import AT_LEAST, AT_MOST, IS, IS_NOT, N_NUMBERS, NEAR, NEAR_ANGLE, SMALL
 from relforest.forests.scene_tree import SceneTree, Value
 from relforest.forests.statements import Bound, Is, Near, Statement, Test
+from relforest.mappings.related import RELATED, Related
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 # Columns of `Packed.statements`.
 OPERATION: Final = 0
 CIRCULAR: Final = 1
-OFFSET: Final = 2
+OFFSET: Final = 2  # of a relation, its number
 DIM: Final = 3
 VARIABLES: Final = 4  # three, -1 = unused
 N_COLUMNS: Final = 7
@@ -102,6 +103,9 @@ def pack_conditions(schema: Schema, asked: Sequence[Condition]) -> Packed:
 
 def _statement(schema: Schema, statement: Statement) -> tuple[list[int], list[float]]:
     mapping = statement.mapping
+    if isinstance(mapping, Related):
+        number = schema.relations.index(mapping.relation)
+        return [RELATED, 0, number, 1, *statement.variables, -1], _numbers(statement.test, is_circular=False)
     row = [
         mapping.rule.code,
         int(mapping.space == "circle"),
