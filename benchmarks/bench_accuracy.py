@@ -132,8 +132,19 @@ def _nearest(rng: np.random.Generator, n: int, n_objects: int) -> tuple[Scenes, 
 
 
 def _zendo(table: pa.Table) -> tuple[Scenes, NDArray[np.bool_]]:
+    touched = {
+        (scene, other)
+        for scene, others in zip(table["scene"].to_pylist(), table["touches"].to_pylist(), strict=True)
+        for other in (others or "").split(";")
+    }
+    is_touching = [
+        "yes" if others or (scene, piece) in touched else "no"
+        for scene, piece, others in zip(
+            *(table[name].to_pylist() for name in ("scene", "piece", "touches")), strict=True
+        )
+    ]
     scenes = Scenes.from_frame(
-        table,
+        table.append_column("touching", [is_touching]),
         scene="scene",
         object="piece",
         attributes={
@@ -142,6 +153,7 @@ def _zendo(table: pa.Table) -> tuple[Scenes, NDArray[np.bool_]]:
             "rotation": "rotation",
             Attribute("color", kind="category"): "color",
             Attribute("orientation", kind="category"): "orientation",
+            Attribute("touching", kind="category"): "touching",
         },
     )
     label_of = dict(zip(table["scene"].to_pylist(), table["label"].to_pylist(), strict=True))

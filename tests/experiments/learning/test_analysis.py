@@ -97,6 +97,8 @@ def test_settings_are_about_tasks_and_methods_that_exist(task: str) -> None:
     assert set(settings.LARGER) <= set(TASKS)
 
 
-@pytest.mark.parametrize("name", ["keepaway-learning", "high-towers-learning", "color-learning", "arch-learning"])
+@pytest.mark.parametrize(
+    "name", ["keepaway-learning", "high-towers-learning", "color-learning", "arch-learning"]
+)
 def test_studies_have_their_names(name: str) -> None:
     assert STUDIES[name].name == name

@@ -88,7 +88,8 @@ def figures(task: str, table: Table) -> Mapping[str, Figure]:
                 axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right")
         axes.set_xlabel("training episodes (band: all runs)")
         axes.set_ylabel("mean reward of a test episode")
-        axes.legend(frameon=True, framealpha=0.9, edgecolor="none")
+        if learners:
+            axes.legend(frameon=True, framealpha=0.9, edgecolor="none")
     return {"learning.png": figure}
 
 
