@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from relforest.scenes import Attribute, Relation, Scenes, Schema
 from relforest.scenes.batch import scenes_of
-from relforest.scenes.pairs import with_pairs
+from relforest.scenes.relations import with_pairs
 
 NAMES = ("location", "orientation", "color", "extent", "weight", "x_0", "speed mps")
 

@@ -223,9 +223,7 @@ def test_a_model_refuses_scenes_without_its_relation_and_explains_others() -> No
     model = SMRFBoostingClassifier(n_trees=5, growth=FEW, random_state=0).fit(scenes, labels)
     plain = Scenes(Schema(scenes.schema.attributes), *scenes.parts[1:5])
 
-    with pytest.raises(
-        InputError, match="model is for scenes with attributes .*; relations touches, and these"
-    ):
+    with pytest.raises(InputError, match=r"model is for scenes with .*; relations touches, and these"):
         model.predict(plain)
     with pytest.raises(InputError, match=r"and these have .*; relations touches \(directed\)"):
         model.predict(plain.with_relations({Relation("touches", directed=True): []}))

@@ -124,7 +124,7 @@ def test_repr_is_one_informative_line() -> None:
 )
 def test_arrays_that_do_not_fit_are_refused(change: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        Scenes(**(dict(zip(FIELDS, three_scenes().parts, strict=False)) | change))
+        Scenes(**({name: getattr(three_scenes(), name) for name in FIELDS} | change))
 
 
 def test_take_keeps_the_order_asked_for_and_shares_the_objects() -> None:

@@ -149,7 +149,7 @@ def test_files_are_read_in_pieces(batch_rows: int, tmp_path: Path) -> None:
     whole.to_parquet(tmp_path / "own.parquet")
     foreign = frame(near=["a;c", "b", "a", None, "b", "b"]).sort_values("scene")
     foreign.to_parquet(tmp_path / "foreign.parquet")
-    columns = {
+    columns: Any = {
         "scene": "scene",
         "object": "object",
         "attributes": {"x": "x"},
@@ -260,6 +260,8 @@ def test_files_take_columns_and_columns_need_object_ids(tmp_path: Path) -> None:
         Scenes.from_parquet(tmp_path / "scenes.parquet", relations={"touches": PAIRS})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="relations contain object ids: name the column"):
         Scenes.from_frame(frame(), scene="scene", attributes={"x": "x"}, relations={"touches": "object"})
+    with pytest.raises(InputError, match=r"a list or table of \(scene, object, object\), got str"):
+        scenes_with({}).with_relations({"touches": "object"})
     with pytest.raises(InputError, match="two scenes have the same one: give them different ids"):
         scenes_with({}).take([0, 0]).with_relations({"touches": PAIRS})
 

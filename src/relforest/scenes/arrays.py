@@ -29,7 +29,7 @@ class SceneArrays(NamedTuple):
     arguments: IntArray  # (n_scenes, k)
     scene_ids: IdArray  # (n_scenes,)
     object_ids: IdArray  # (n_rows,)
-    pairs: IntArray = NO_PAIRS  # (n_pairs, 3): relation and two object rows, sorted, see `with_pairs`
+    pairs: IntArray = NO_PAIRS  # (n_pairs, 3): relation and two object rows, sorted
 
 
 def check_arrays(parts: SceneArrays) -> SceneArrays:

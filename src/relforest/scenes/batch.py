@@ -20,7 +20,7 @@ from relforest.scenes.padded import arrays_from_padded
 from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
 from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
-from relforest.scenes.relations import Relations, relation_columns, with_tables
+from relforest.scenes.relations import Relations, relation_columns, relation_tables, with_tables
 from relforest.scenes.schema import Attribute, Relation, Schema
 from relforest.support.errors import InputError
 from relforest.support.notebook import drawn
@@ -237,7 +237,7 @@ class Scenes:
         """
         columns = relation_columns(relations)
         layout = frame_layout(scene, object, attributes, arguments, columns)
-        return scenes_of(with_tables(arrays_from_frame(frame, layout), relations))
+        return scenes_of(with_tables(arrays_from_frame(frame, layout), relation_tables(relations)))
 
     @classmethod
     def from_dicts(cls, records: Iterable[Mapping[str, Any]], schema: Schema | None = None) -> Scenes:

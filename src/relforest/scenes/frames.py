@@ -21,8 +21,7 @@ from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import plain
 from relforest.scenes.label_text import parsed_labels
 from relforest.scenes.lookup import bind_arguments, index_objects
-from relforest.scenes.pairs import with_pairs
-from relforest.scenes.relations import Relations, pairs_of_column, relation_columns
+from relforest.scenes.relations import Relations, pairs_of_column, relation_columns, with_pairs
 from relforest.scenes.schema import Attribute, Relation, Schema
 from relforest.support.errors import InputError
 

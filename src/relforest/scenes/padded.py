@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays
-from relforest.scenes.pairs import with_pairs
+from relforest.scenes.relations import with_pairs
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 

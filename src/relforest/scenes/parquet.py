@@ -28,8 +28,7 @@ from relforest.scenes.digests import block_digests, document_digest, is_unchange
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import IdArray
 from relforest.scenes.lookup import bind_arguments, index_objects
-from relforest.scenes.pairs import with_pairs
-from relforest.scenes.relations import pairs_of_column
+from relforest.scenes.relations import pairs_of_column, with_pairs
 from relforest.scenes.schema import Schema
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, ModelFormatError, RelforestError

@@ -13,7 +13,7 @@ import numpy as np
 from relforest.scenes.arrays import FloatArray, SceneArrays, compact, occurrences
 from relforest.scenes.attribute_columns import category_text, closed, place_of
 from relforest.scenes.ids import as_ids, plain
-from relforest.scenes.pairs import with_pairs
+from relforest.scenes.relations import with_pairs
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 

@@ -16,7 +16,6 @@ from relforest.scenes.columns import Codes, Frame, arrow_column, encode, open_fr
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import plain
 from relforest.scenes.lookup import ObjectIndex, index_objects, places_of
-from relforest.scenes.pairs import with_pairs
 from relforest.scenes.schema import Relation, Schema, as_relation
 from relforest.support.errors import InputError
 
@@ -34,22 +33,60 @@ def relation_columns(relations: Relations) -> tuple[tuple[Relation, str], ...]:
     )
 
 
+def relation_tables(relations: Relations) -> dict[str | Relation, object]:
+    """Return those of the relations that are given by pairs."""
+    return {key: value for key, value in _checked(relations).items() if not isinstance(value, str)}
+
+
 def with_tables(parts: SceneArrays, relations: Relations) -> SceneArrays:
-    """Return the arrays with the relations that are given by tables; see `Scenes.with_relations`."""
-    tables = {key: value for key, value in _checked(relations).items() if not isinstance(value, str)}
-    if not tables:
+    """Return the arrays with more relations, given by pairs; see `Scenes.with_relations`."""
+    if not _checked(relations):
         return parts
-    added = tuple(map(as_relation, tables))
+    added = tuple(map(as_relation, relations))
     schema = Schema(parts.schema.attributes, parts.schema.parameters, (*parts.schema.relations, *added))
     rows = gather(parts.rows, parts.starts, parts.counts)
     ids = encode(pa.array(parts.object_ids, from_pandas=True))
     owner = np.repeat(np.arange(len(parts.starts)), parts.counts)
     index = index_objects(parts.scene_ids, owner, Codes(ids.codes[rows], ids.ids))
     given = []
-    for relation, table in zip(added, tables.values(), strict=True):
+    for relation, table in zip(added, relations.values(), strict=True):
         scenes, *positions = _pairs_of_table(relation.name, table, index)
         given.append(np.column_stack([scenes, *(rows[each] for each in positions)]))
     return with_pairs(parts._replace(schema=schema), given)
+
+
+def with_pairs(parts: SceneArrays, given: Sequence[IntArray]) -> SceneArrays:
+    """Return the arrays with the pairs of the last relations of their schema, after those that they have.
+
+    Parameters
+    ----------
+    parts : SceneArrays
+    given : sequence of (n, 3) int64
+        For each of these relations scene, first and second object row. Of a relation without direction, each
+        pair in one order, or all pairs in both.
+
+    Raises
+    ------
+    InputError
+        If an object is related to itself, a pair is given twice in a scene, or only some pairs of a relation
+        without direction are given in both orders.
+    """
+    relations, pairs = parts.schema.relations, [parts.pairs]
+    for number, own in enumerate(given, start=len(relations) - len(given)):
+        _check_different(parts, relations[number].name, own)
+        found = np.unique(own[:, 1:], axis=0)
+        if not relations[number].directed:
+            found, n_times = np.unique(np.concatenate([found, found[:, ::-1]]), axis=0, return_counts=True)
+            if len(found) and n_times.min() < n_times.max():
+                once = [_name(parts, row) for row in found[n_times == 1][0]]
+                name = relations[number].name
+                raise InputError(
+                    f"relation {name!r} names some pairs in both orders, but that of {once[0]} and {once[1]} "
+                    "in one: name all pairs once, or all in both orders, or declare it as "
+                    f"Relation({name!r}, directed=True)"
+                )
+        pairs.append(np.column_stack([np.full(len(found), number), found]))
+    return parts._replace(pairs=np.concatenate(pairs))
 
 
 def pairs_of_column(
@@ -151,7 +188,7 @@ def _pairs_of_table(name: str, given: object, index: ObjectIndex) -> tuple[IntAr
 
 def _pair_table(name: str, given: object) -> Frame | None:
     """Return a table of three columns, None if it has no rows."""
-    if isinstance(given, (Sequence, np.ndarray)):
+    if isinstance(given, (Sequence, np.ndarray)) and not isinstance(given, str):
         triples = [tuple(each) if isinstance(each, (Sequence, np.ndarray)) else () for each in given]
         odd = next((number for number, each in enumerate(triples) if len(each) != 3), None)
         if odd is not None:
@@ -179,3 +216,20 @@ def _pair_table(name: str, given: object) -> Frame | None:
             f"order: it has {', '.join(table.columns)}"
         )
     return cast("Frame", table)
+
+
+def _check_different(parts: SceneArrays, name: str, given: IntArray) -> None:
+    def said(pair: IntArray) -> str:
+        where = f"relation {name!r} of scene {plain(parts.scene_ids[pair[0]])!r}"
+        return f"{where} names {_name(parts, pair[1])} and {_name(parts, pair[2])}"
+
+    alone = given[given[:, 1] == given[:, 2]]
+    if len(alone):
+        raise InputError(f"{said(alone[0])}, the same one: name two objects")
+    different, n_times = np.unique(given, axis=0, return_counts=True)
+    if len(different) < len(given):
+        raise InputError(f"{said(different[n_times > 1][0])} twice: name each pair once")
+
+
+def _name(parts: SceneArrays, row: int) -> str:
+    return f"object {plain(parts.object_ids[row])!r}"

@@ -303,6 +303,4 @@ def _own_layout(schema: Schema) -> FrameLayout:
     )
     names = names[schema.width :]
     arguments, related = tuple(names[: schema.n_parameters]), names[schema.n_parameters :]
-    return FrameLayout(
-        scene, item, columns, arguments, tuple(zip(schema.relations, related, strict=False))
-    )
+    return FrameLayout(scene, item, columns, arguments, tuple(zip(schema.relations, related, strict=False)))
