@@ -76,8 +76,9 @@ def random_statement(
     """A statement about some of the bound objects, as often about a relation, if there are any, as not."""
     if relations and n_bound > 1 and rng.random() < 0.5:
         relation = relations[int(rng.integers(len(relations)))]
-        pair = tuple(rng.permutation(n_bound)[:2].tolist())
-        return Statement(Related(relation), pair, Is(int(rng.integers(2)), bool(rng.integers(2))))
+        arity = int(rng.integers(1, 3))
+        chosen = tuple(rng.permutation(n_bound)[:arity].tolist())
+        return Statement(Related(relation, arity), chosen, Is(int(rng.integers(2)), bool(rng.integers(2))))
     mappings = [Mapping(operation, each) for each in ATTRIBUTES for operation in each.operations]
     possible = [mapping for mapping in mappings if mapping.arity <= n_bound]
     mapping = possible[int(rng.integers(len(possible)))]
@@ -102,9 +103,10 @@ def is_true(statement: Statement, scenes: Scenes, rows: tuple[int, ...]) -> bool
     mapping, test = statement.mapping, statement.test
     if isinstance(mapping, Related):
         assert isinstance(test, Is)
-        pair = [rows[variable] for variable in statement.variables]
-        is_related = pair in scenes.relations[mapping.name].tolist()
-        return min(pair) >= 0 and (is_related == test.category) != test.negated
+        own = [rows[variable] for variable in statement.variables]
+        # The objects of different scenes are different ones here.
+        is_related = any(own == pair[: mapping.arity] for pair in scenes.relations[mapping.name].tolist())
+        return min(own) >= 0 and (is_related == test.category) != test.negated
     chosen = np.array([[rows[variable] for variable in statement.variables]])
     point = mapping.evaluate(scenes.schema, scenes.matrix, chosen)[0]
     if np.isnan(point).any():

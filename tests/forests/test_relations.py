@@ -88,7 +88,8 @@ def test_a_search_begins_with_related_objects() -> None:
             and set(range(1, 1 + table.n_free)) <= set(column.variables)
         ]
         assert begun == expected
-    assert [column.variables for column in columns(PITCH, 1)[-3:]] == [(0, 1), (0, 1), (1, 0)]
+    asked = [column.variables for column in columns(PITCH, 1) if isinstance(column.mapping, Related)]
+    assert asked == [(0,), (1,), (0, 1), (0,), (1,), (0, 1), (1, 0)]
 
 
 def test_of_too_many_pairs_the_related_ones_are_kept() -> None:
@@ -128,6 +129,11 @@ def test_relations_are_told_as_verbs() -> None:
     assert said([back, red]) == "some object has color red; the passer passes to it"
     assert said([back]) == "there is another object; the passer passes to it"
     assert said([is_related(TOUCHES, 0, 1, value=0)]) == "some object does not touch the passer"
+    anything = Statement(Related(TOUCHES, 1), (1,), Is(1))
+    assert said([anything]) == "some object touches another object"
+    assert said([anything, near]) == "some object that touches another object is within 3 of the passer"
+    nothing = Statement(Related(TOUCHES, 1), (1,), Is(1, negated=True))
+    assert said([nothing, red]) == "some object with color red does not touch any other object"
     assert said([is_related(TOUCHES, 1, 2)], 2, every=True) == (
         "every object C has another, D, such that D touches C"
     )
@@ -177,7 +183,7 @@ def test_models_come_back_from_files_and_older_ones_are_written_as_before() -> N
     for change, message in (
         ({"relation": "sees"}, "unknown relation 'sees'"),
         ({"relation": ["touches"]}, "unknown relation|malformed"),
-        ({"relation": "touches", "variables": [0]}, "touches takes 2 objects, got 1"),
+        ({"relation": "touches", "variables": []}, "objects must be an integer from 1 to 2, got 0"),
         ({"relation": "touches", "is": 2}, "category must be an integer from 0 to 1, got 2"),
         ({"relation": "touches", "is": None}, "category"),
     ):
@@ -260,3 +266,18 @@ def test_a_model_that_asks_about_relations_is_not_written_as_code() -> None:
         InputError, match="asks about the relation 'touches', which code without relforest cannot"
     ):
         program_of(as_model(model))
+
+
+def test_any_other_object_is_one_of_the_same_scene() -> None:
+    both = Scenes(
+        Schema([COLOR]), np.zeros((3, 1)), np.array([0, 1, 0, 2]), np.array([0, 2]), np.array([2, 2])
+    ).with_relations({TOUCHES: [(0, 0, 1)]})
+    statement = Statement(Related(TOUCHES, 1), (0,), Is(1))
+    tree = SceneTree((Split(Condition(1, (statement,)), 1, 2, 0.0), Value((1.0,), 0), Value((0.0,), 0)))
+    ensemble = Ensemble(both.schema, np.zeros(1), (tree,), np.ones(1))
+    choices, _ = bindings(both, 1, most=10, rng=np.random.default_rng(0))
+
+    assert ensemble.scores(both)[:, 0].tolist() == [1.0, 0.0]
+    assert features(ensemble, both, "counts")[:, 0].tolist() == [2.0, 0.0]
+    values = Related(TOUCHES, 1).evaluate(both, choices.rows, np.array([0, 0, 1, 1]))
+    assert values[:, 0].tolist() == [1.0, 1.0, 0.0, 0.0]

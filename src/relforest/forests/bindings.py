@@ -98,10 +98,9 @@ def _sample(
     return np.sort(np.append(first, rng.choice(others, size - len(first), replace=False)))
 
 
-def column_values(
-    scenes: Scenes, columns: tuple[Column, ...], rows: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def column_values(scenes: Scenes, columns: tuple[Column, ...], choices: Bindings) -> NDArray[np.float64]:
     """Return the value of every column for every choice, (n_columns, n_choices), NaN where undefined."""
+    rows, scene = choices.rows, np.repeat(np.arange(len(scenes)), np.diff(choices.starts))
     values = np.empty((len(columns), len(rows)))
     mapped: dict[tuple[object, tuple[int, ...]], NDArray[np.float64]] = {}
     for number, column in enumerate(columns):
@@ -109,7 +108,7 @@ def column_values(
         if key not in mapped:
             chosen = np.ascontiguousarray(rows[:, column.variables])
             mapped[key] = (
-                column.mapping.evaluate(scenes, chosen)
+                column.mapping.evaluate(scenes, chosen, scene)
                 if isinstance(column.mapping, Related)
                 else column.mapping.evaluate(scenes.schema, scenes.matrix, chosen)
             )

@@ -35,9 +35,10 @@ def columns(schema: Schema, n_free: int) -> tuple[Column, ...]:
     """
     n_bound = schema.n_parameters + n_free
     related = tuple(
-        Column(Related(relation), variables, 0)
+        Column(Related(relation, arity), variables, 0)
         for relation in schema.relations
-        for variables in (permutations if relation.directed else combinations)(range(n_bound), 2)
+        for arity in (1, 2)
+        for variables in (permutations if relation.directed else combinations)(range(n_bound), arity)
     )
     of_attributes = tuple(
         Column(mapping, variables, component)

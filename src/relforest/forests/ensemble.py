@@ -116,7 +116,7 @@ class Ensemble:
                 out[:, number] = query(cast("Tree", tree), scenes, n_jobs=n_jobs).leaf
             return out
         columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
-        facts = Facts(scenes.matrix, scenes.pairs)
+        facts = Facts(scenes.matrix, scenes.pairs, scenes.rows)
 
         def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
             leaves(self.packed, facts, columns, begin, end, out, stop)
@@ -149,7 +149,7 @@ class Ensemble:
         while packed.nodes[node, CONDITION] >= 0:
             number = packed.nodes[node, CONDITION]
             bound = np.empty(self.schema.n_parameters + 2, dtype=np.int64)
-            place = (Facts(scene.matrix, scene.pairs), scene.objects(0), scene.arguments[0], bound, point)
+            place = (Facts(scene.matrix, scene.pairs, scene.objects(0)), scene.arguments[0], bound, point)
             is_true = condition_holds(packed, number, *place, stop)
             condition = self.conditions[number]
             met.append((condition, is_true, bound[: self.schema.n_parameters + condition.n_free]))

@@ -25,7 +25,7 @@ from relforest.forests.packing import (
 )
 from relforest.mappings.kernels import map_point
 from relforest.mappings.related import RELATED
-from relforest.scenes.pairs import is_related
+from relforest.scenes.pairs import is_related, is_related_to_any
 from relforest.support.jit import hold, inlined, kernel
 
 if TYPE_CHECKING:
@@ -33,10 +33,11 @@ if TYPE_CHECKING:
 
 
 class Facts(NamedTuple):
-    """What is known about object rows."""
+    """What is known about object rows, and which of them belong to a scene."""
 
     matrix: NDArray[np.float64]  # (n_rows, width)
     pairs: NDArray[np.int64]  # (n_pairs, 3), see `relforest.scenes.Scenes.pairs`
+    objects: NDArray[np.int64]  # (n_objects,); before a scene is chosen, those of all scenes
 
 
 @inlined
@@ -51,8 +52,12 @@ def look(
     a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
     objects = (bound[a], bound[b] if b >= 0 else -1, bound[c] if c >= 0 else -1)
     if row[OPERATION] == RELATED:
-        points[place, 0] = 1.0 if is_related(facts.pairs, row[OFFSET], objects[0], objects[1]) else 0.0
-        is_defined = objects[0] >= 0 and objects[1] >= 0
+        if row[DIM] == 1:
+            is_true = is_related_to_any(facts.pairs, row[OFFSET], objects[0], facts.objects)
+        else:
+            is_true = is_related(facts.pairs, row[OFFSET], objects[0], objects[1])
+        points[place, 0] = 1.0 if is_true else 0.0
+        is_defined = objects[0] >= 0 and (row[DIM] == 1 or objects[1] >= 0)
     else:
         span = (row[OFFSET], row[DIM])
         is_defined = map_point(row[OPERATION], row[CIRCULAR] == 1, span, facts.matrix, objects, points, place)
@@ -117,7 +122,6 @@ def condition_holds(
     packed: Packed,
     condition: int,
     facts: Facts,
-    objects: NDArray[np.int64],
     arguments: NDArray[np.int64],
     bound: NDArray[np.int64],
     point: NDArray[np.float64],
@@ -125,11 +129,11 @@ def condition_holds(
 ) -> bool:
     """Whether a condition holds in a scene; `bound` (n_arguments + 2,) is the choice that decided.
 
-    `objects` and `arguments` are rows of `matrix`. Choices are tried in the order of the objects, and the
+    `facts` are about the objects of this scene. Choices are tried in the order of the objects, and the
     search ends with the one that completes the required number, or for every first object, with the first
     that has no second one. It also ends, with any answer, once another thread sets ``stop[0]``.
     """
-    n_arguments = len(arguments)
+    n_arguments, objects = len(arguments), facts.objects
     n_free, needed = packed.conditions[condition, N_FREE], packed.conditions[condition, COUNT]
     bound[:n_arguments] = arguments
     bound[n_arguments:] = -1
@@ -173,11 +177,11 @@ def leaves(
     bound = np.empty(arguments.shape[1] + 2, dtype=np.int64)
     point = np.empty((1, max(facts.matrix.shape[1], 2)))
     for i in range(begin, end):
-        objects = rows[starts[i] : starts[i] + counts[i]]
+        here = Facts(facts.matrix, facts.pairs, rows[starts[i] : starts[i] + counts[i]])
         for tree in range(len(packed.roots)):
             node = packed.roots[tree]
             while packed.nodes[node, CONDITION] >= 0:
                 asked = packed.nodes[node, CONDITION]
-                is_true = condition_holds(packed, asked, facts, objects, arguments[i], bound, point, stop)
+                is_true = condition_holds(packed, asked, here, arguments[i], bound, point, stop)
                 node = packed.nodes[node, YES if is_true else NO]
             out[i, tree] = packed.nodes[node, LEAF]

@@ -133,7 +133,7 @@ def _measures(ensemble: Ensemble, scenes: Scenes, n_jobs: int) -> tuple[FloatArr
         return np.hstack(margins), np.hstack(counts)
     out = np.empty((2, len(scenes), len(ensemble.conditions)))
     columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
-    facts = Facts(scenes.matrix, scenes.pairs)
+    facts = Facts(scenes.matrix, scenes.pairs, scenes.rows)
 
     def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
         work = work_space(ensemble.packed, scenes.schema.n_parameters, scenes.schema.width)

@@ -141,13 +141,14 @@ def measures(
     n_arguments = arguments.shape[1]
     for i in range(begin, end):
         objects = rows[starts[i] : starts[i] + sizes[i]]
+        here = Facts(facts.matrix, facts.pairs, objects)
         counts[i] = 0.0
         work.smallest[:] = np.inf
         work.farthest[:] = -np.inf
         work.bound[:n_arguments] = arguments[i]
         work.bound[n_arguments:] = -1
         if work.is_used[0].any():
-            _look(packed, 0, facts, work, counts[i])
+            _look(packed, 0, here, work, counts[i])
         has_pairs = work.is_used[2].any()
         first = following(objects, arguments[i], -1, -1)
         if not has_pairs and not work.is_used[1].any():
@@ -156,13 +157,13 @@ def measures(
             work.bound[n_arguments] = objects[first]
             work.bound[n_arguments + 1] = -1
             if work.is_used[1].any():
-                _look(packed, 1, facts, work, counts[i])
+                _look(packed, 1, here, work, counts[i])
             if has_pairs:
                 _begin_first(packed, work, counts[i])
                 second = following(objects, arguments[i], -1, first)
                 while second < len(objects):
                     work.bound[n_arguments + 1] = objects[second]
-                    _look(packed, 2, facts, work, counts[i])
+                    _look(packed, 2, here, work, counts[i])
                     second = following(objects, arguments[i], second, first)
                 _end_first(packed, work, counts[i])
             first = following(objects, arguments[i], first, -1)

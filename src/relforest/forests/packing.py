@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 OPERATION: Final = 0
 CIRCULAR: Final = 1
 OFFSET: Final = 2  # of a relation, its number
-DIM: Final = 3
+DIM: Final = 3  # of a relation, of how many objects
 VARIABLES: Final = 4  # three, -1 = unused
 N_COLUMNS: Final = 7
 
@@ -105,7 +105,8 @@ def _statement(schema: Schema, statement: Statement) -> tuple[list[int], list[fl
     mapping = statement.mapping
     if isinstance(mapping, Related):
         number = schema.relations.index(mapping.relation)
-        return [RELATED, 0, number, 1, *statement.variables, -1], _numbers(statement.test, is_circular=False)
+        variables = [*statement.variables, -1, -1][:3]
+        return [RELATED, 0, number, mapping.arity, *variables], _numbers(statement.test, is_circular=False)
     row = [
         mapping.rule.code,
         int(mapping.space == "circle"),

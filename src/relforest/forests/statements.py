@@ -143,7 +143,7 @@ def _mapping(document: dict[str, Any], schema: Schema) -> Mapping | Related:
     known = {relation.name: relation for relation in schema.relations}
     if document["relation"] not in known:
         raise ModelFormatError(f"unknown relation {document['relation']!r:.50}")
-    return Related(known[document["relation"]])
+    return Related(known[document["relation"]], between("objects", len(document["variables"]), 1, 2))
 
 
 def _test(document: dict[str, Any], mapping: Mapping | Related) -> Test:

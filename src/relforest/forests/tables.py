@@ -103,7 +103,7 @@ def condition_tables(
             continue
         choices, n_sampled = bindings(scenes, n_free, most=most, rng=rng)
         if len(choices.rows):
-            values = column_values(scenes, found, choices.rows)
+            values = column_values(scenes, found, choices)
             free = set(range(scenes.schema.n_parameters, scenes.schema.n_parameters + n_free))
             first = np.array([free <= set(column.variables) for column in found])
             table = _table(found, values, choices.starts, first)

@@ -118,11 +118,11 @@ def _phrase(statement: Statement, names: list[str]) -> _Phrase:
 
 def _relation(relation: Relation, test: Test, names: list[str]) -> _Phrase:
     # Without direction, an object without a name of its own is the subject, or else the last one.
-    subject, other = names if relation.directed or not names[0] else names[::-1]
-    verb = relation.name
-    if isinstance(test, Is) and (test.category == 1) == test.negated:
-        verb = _denied(verb)
-    return _Phrase(subject, f"{verb} {other or 'it'}", is_relation=True)
+    subject, *others = names if relation.directed or not names[0] else names[::-1]
+    is_denied = isinstance(test, Is) and (test.category == 1) == test.negated
+    other = (others[0] or "it") if others else "any other object" if is_denied else "another object"
+    verb = _denied(relation.name) if is_denied else relation.name
+    return _Phrase(subject, f"{verb} {other}", is_relation=True)
 
 
 def _denied(verb: str) -> str:

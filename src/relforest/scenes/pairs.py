@@ -14,8 +14,8 @@ NO_PAIRS.flags.writeable = False
 
 
 @kernel
-def is_related(pairs: NDArray[np.int64], relation: int, first: int, second: int) -> bool:
-    """Return whether the sorted pairs (n, 3) contain this one."""
+def _first_place(pairs: NDArray[np.int64], relation: int, first: int, second: int) -> int:
+    """Return how many of the sorted pairs (n, 3) come before this one."""
     low, high = 0, len(pairs)
     while low < high:
         middle = (low + high) // 2
@@ -24,9 +24,33 @@ def is_related(pairs: NDArray[np.int64], relation: int, first: int, second: int)
             low = middle + 1
         else:
             high = middle
+    return low
+
+
+@kernel
+def is_related(pairs: NDArray[np.int64], relation: int, first: int, second: int) -> bool:
+    """Return whether the sorted pairs (n, 3) contain this one."""
+    place = _first_place(pairs, relation, first, second)
     return bool(
-        low < len(pairs) and pairs[low, 0] == relation and pairs[low, 1] == first and pairs[low, 2] == second
+        place < len(pairs)
+        and pairs[place, 0] == relation
+        and pairs[place, 1] == first
+        and pairs[place, 2] == second
     )
+
+
+@kernel
+def is_related_to_any(
+    pairs: NDArray[np.int64], relation: int, first: int, objects: NDArray[np.int64]
+) -> bool:
+    """Return whether the sorted pairs (n, 3) contain one of an object with another one of these."""
+    place = _first_place(pairs, relation, first, -1)
+    while place < len(pairs) and pairs[place, 0] == relation and pairs[place, 1] == first:
+        for other in objects:
+            if pairs[place, 2] == other:
+                return True
+        place += 1
+    return False
 
 
 @kernel

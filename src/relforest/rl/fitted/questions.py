@@ -149,7 +149,9 @@ def measured(packed: Packed, scenes: Scenes, n_jobs: int = 1) -> Measures:
 
     def evaluate(begin: int, end: int, stop: BoolArray) -> None:
         work = work_space(packed, scenes.schema.n_parameters, scenes.schema.width)
-        measures(packed, Facts(scenes.matrix, scenes.pairs), columns, begin, end, work, out, stop)
+        measures(
+            packed, Facts(scenes.matrix, scenes.pairs, scenes.rows), columns, begin, end, work, out, stop
+        )
 
     in_batches(evaluate, len(scenes), n_jobs)
     return Measures(out[0], out[1], scenes.counts)
@@ -161,7 +163,7 @@ def measured_rows(
     """Return what conditions say about scenes given as rows, starts, counts and arguments."""
     out = np.empty((2, len(columns[1]), len(packed.conditions)))
     work = work_space(packed, columns[3].shape[1], matrix.shape[1])
-    facts = Facts(matrix, NO_PAIRS)
+    facts = Facts(matrix, NO_PAIRS, columns[0])
     measures(packed, facts, columns, 0, out.shape[1], work, out, np.zeros(1, dtype=np.bool_))
     return Measures(out[0], out[1], columns[2])
 
