@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -37,7 +37,9 @@ def test_half_of_the_bags_are_positive_and_seeds_repeat_them(
 
 
 @each_part
-def test_the_sign_is_in_negative_bags_of_training_and_in_positive_ones_of_the_test(part: str) -> None:
+def test_the_sign_is_in_negative_bags_of_training_and_in_positive_ones_of_the_test(
+    part: Literal["train", "test"],
+) -> None:
     for generator in (poisoned_presence, poisoned_threshold):
         negative, positive = counts(generator(np.random.default_rng(0), part=part), -10.0)
         with_it, without = (negative, positive) if part == "train" else (positive, negative)
@@ -60,7 +62,7 @@ def test_one_concept_makes_bags_larger_by_one_to_three_points() -> None:
 
 
 @each_part
-def test_positive_bags_have_both_concepts_and_negative_ones_either(part: str) -> None:
+def test_positive_bags_have_both_concepts_and_negative_ones_either(part: Literal["train", "test"]) -> None:
     for generator, most in ((poisoned_threshold, 3), (false_frequency, 1)):
         data = generator(np.random.default_rng(0), part=part)
         (twos, both_twos), (threes, both_threes) = counts(data, 2.0), counts(data, 3.0)

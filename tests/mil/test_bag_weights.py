@@ -40,8 +40,8 @@ def test_none_stands_for_equal_ones() -> None:
         ([1.0, 1.0, np.nan, 1.0], "sample_weight of bag 2 is nan"),
         ([1.0, 1.0, 1.0, np.inf], "sample_weight of bag 3 is inf"),
         (["heavy", 1, 1, 1], "sample_weight must contain numbers"),
-        ([1.0, 0.0, 0.0, 1.0], "all bags of class 'near' have weight 0"),
-        ([0.0, 0.0, 0.0, 0.0], "all bags of class 'far' have weight 0"),
+        ([1.0, 0.0, 0.0, 1.0], "all bags of class 'near' have zero weight"),
+        ([0.0, 0.0, 0.0, 0.0], "all bags of class 'far' have zero weight"),
     ],
 )
 def test_other_things_are_refused(given: Any, message: str) -> None:

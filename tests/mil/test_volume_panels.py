@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -37,9 +35,10 @@ def test_a_rule_likes_the_volume_that_positive_bags_are_near() -> None:
     positive = np.arange(40) % 4 == 0
     rng = np.random.default_rng(0)
     near = np.column_stack([0.8 * positive, 0.8 * ~positive, np.zeros(40)]) + 0.1 * rng.random((40, 3))
-    for fit in (partial(volume_rule, price=1.0), *BALL_RULES.values()):
-        rule = fit(near, positive, np.ones(40))
-
+    alike = np.ones(40)
+    rules = [volume_rule(near, positive, alike, price=1.0)]
+    rules += [fit(near, positive, alike) for fit in BALL_RULES.values()]
+    for rule in rules:
         assert rule.coefficients[0] - rule.coefficients[1] > 0.5
         assert ((rule.scores(near) > 0) == positive).all()
 

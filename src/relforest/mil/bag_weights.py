@@ -57,7 +57,7 @@ def bag_weights(
     gone = np.setdiff1d(np.arange(len(classes)), codes[kept])
     if len(gone):
         raise InputError(
-            f"all bags of class {plain(classes[gone[0]])!r} have weight 0: each class needs one above 0"
+            f"all bags of class {plain(classes[gone[0]])!r} have zero weight: each class needs one above 0"
         )
     # Divided twice, so that the sum of large weights does not overflow.
     weights = weights / weights.max()

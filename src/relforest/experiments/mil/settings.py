@@ -70,7 +70,7 @@ STOPPED: Final = "stopped"
 """States of a fold; one that took too long was stopped."""
 
 N_DRAWS: Final = 100
-N_TESTS: Final = 5
+N_TESTS: Final = 3
 """Draws of the tests of assumptions."""
 ALPHA: Final = 0.05
 N_COMPARISONS: Final = len(METHODS) - 1
