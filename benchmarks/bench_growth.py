@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pyarrow import csv
 from table import Cell, Table
 
-from relforest import Scenes, Schema
+from relforest import Attribute, Scenes, Schema
 from relforest.metrics import mean_interval
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.experience import Experience
@@ -77,14 +77,14 @@ def returns_of(experience: Experience) -> NDArray[np.float64]:
     return returns
 
 
-def passes(path: Path) -> Problem:
+def passes(path: Path, team: Attribute | str = "team") -> Problem:
     """Return passes of football: positive if they failed."""
     frame = csv.read_csv(path)
     scenes = Scenes.from_frame(
         frame,
         scene="scene",
         object="object",
-        attributes={"location": ("x", "y"), "team": "team"},
+        attributes={"location": ("x", "y"), team: "team"},
         arguments=("passer", "target"),
     )
     label_of = dict(zip(frame["scene"].to_pylist(), frame["label"].to_pylist(), strict=True))

@@ -108,7 +108,10 @@ def test_elements_of_atoms_are_in_the_order_that_is_said() -> None:
 
 def test_what_is_not_known_is_not_stated_as_a_fact() -> None:
     for name in ("musk1", "musk2"):
-        assert "UCI, where the set was first published, lists terms of its own" in CATALOGUE[name].licence
+        assert (
+            "UCI, where the set was first published, says that its data sets are licensed"
+            in CATALOGUE[name].licence
+        )
     assert "is an inference" in EAST_WEST.notes
 
 
@@ -125,7 +128,16 @@ def test_other_counts_than_known_are_refused(monkeypatch: pytest.MonkeyPatch) ->
         read_published(replace(FEW, n_bags=5, n_instances=9), REGISTRY, data_home=None, base_url=None)
 
 
-@pytest.mark.parametrize("name", COUNTS)
+def test_musk_1_is_part_of_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("RELFOREST_DATA", "RELFOREST_DATA_URL"):
+        monkeypatch.delenv(name, raising=False)
+    musk = datasets.fetch_musk1(data_home=tmp_path)
+    assert (len(musk), musk.n_positive, musk.n_instances, musk.n_features) == COUNTS["musk1"]
+    # The first line of clean1.data: MUSK-188, conformation 188_1+1.
+    assert musk.bags[0][0, :5].tolist() == [42, -198, -109, -75, -117]
+
+
+@pytest.mark.parametrize("name", [name for name in COUNTS if name != "musk1"])
 def test_missing_data_are_named_with_their_source(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

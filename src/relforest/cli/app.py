@@ -43,6 +43,7 @@ COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
         "explain": "Explain a prediction, and what would turn it.",
         "show": "Show a learned model in words, as a drawing, a page or code.",
         "experiment": "Run one of the studies, or list them.",
+        "report": "Write a page about studies and runs.",
     }
 )
 """Name of a command, and of its module and function -> one line about it."""

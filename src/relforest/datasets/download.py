@@ -1,4 +1,4 @@
-"""The files of published data sets: from a folder of the user's, the cache, or a web address.
+"""The files of published data sets: from a folder of the user's, this package, the cache, or a web address.
 
 The origin of a file does not matter: its SHA-256 hash is checked.
 """
@@ -20,6 +20,7 @@ DATA_VARIABLE: Final = "RELFOREST_DATA"
 URL_VARIABLE: Final = "RELFOREST_DATA_URL"
 _SUBFOLDER: Final = "mil"
 _TIMEOUT_S: Final = 30
+_INCLUDED: Final = Path(__file__).with_name("included")
 
 
 def data_file(
@@ -50,7 +51,7 @@ def data_file(
     -------
     path : Path
         Where the file is: ``mil/NAME`` or ``NAME`` in the folder of the environment variable
-        ``RELFOREST_DATA``, if that is set and has it, or else the cache.
+        ``RELFOREST_DATA``, if that is set and has it, or else in this package or the cache.
     content : bytes
         The content of the file, with the right hash.
 
@@ -71,7 +72,7 @@ def data_file(
     if url:
         _download(name, registry, cache, url)
     elif not path.is_file():
-        looked = ", ".join(map(str, (*local, cache)))
+        looked = ", ".join(str(folder) for folder in (*local, cache) if folder != _INCLUDED)
         raise MissingDataError(
             f"{name} was not found (looked in {looked}) and is not available on the web yet. If you have the "
             f"file, set the environment variable {DATA_VARIABLE} to a folder with {_SUBFOLDER}/{name}, "
@@ -83,7 +84,8 @@ def data_file(
 
 def _local_folders() -> tuple[Path, ...]:
     named = os.environ.get(DATA_VARIABLE)
-    return (Path(named).expanduser() / _SUBFOLDER, Path(named).expanduser()) if named else ()
+    given = (Path(named).expanduser() / _SUBFOLDER, Path(named).expanduser()) if named else ()
+    return (*given, _INCLUDED)
 
 
 def _download(name: str, registry: Mapping[str, str], cache: Path, url: str) -> None:

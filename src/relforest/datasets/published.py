@@ -1,6 +1,6 @@
 """The published sets of bags of Palmer (2015), section 3.3.2, by name.
 
-The files are not part of the package; `relforest.datasets.download` describes where they are looked for.
+Musk 1 is part of the package; `relforest.datasets.download` describes where the other files are looked for.
 """
 
 from __future__ import annotations

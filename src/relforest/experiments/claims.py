@@ -46,14 +46,19 @@ class Claim:
         """Whether the number does not lie in its range."""
         return self.verdict == "MISSED"
 
-    def __str__(self) -> str:
-        """Return the verdict, the name, the number and its bounds."""
+    @property
+    def bounds(self) -> str:
+        """What the number must keep, in words."""
         bounds = []
         if not math.isinf(self.low):
             bounds.append(f"at least {self.low:.4g}")
         if not math.isinf(self.high):
             bounds.append(f"at most {self.high:.4g}")
-        return f"{self.verdict:<6} {self.name}: {self.measured:.4g} ({' and '.join(bounds)})"
+        return " and ".join(bounds)
+
+    def __str__(self) -> str:
+        """Return the verdict, the name, the number and its bounds."""
+        return f"{self.verdict:<6} {self.name}: {self.measured:.4g} ({self.bounds})"
 
 
 @final

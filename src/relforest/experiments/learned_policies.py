@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, TypeAlias, final
@@ -21,7 +21,8 @@ from relforest.rl.configuration import check_world
 from relforest.rl.explaining import explanation
 from relforest.rl.fitted.value import QValue
 from relforest.rl.policy import GreedyPolicy
-from relforest.rl.practice import ANYHOW
+from relforest.rl.practice import ANYHOW, Practice
+from relforest.rl.refinement import Search
 from relforest.rl.saved_policy import AnyValue, read_policy
 from relforest.rl.vectors.learner import VectorValue
 from relforest.runs.store import CHECKPOINT, read_checkpoint
@@ -59,15 +60,16 @@ class TeamPolicy:
 class AgentPolicy:
     """What a relational learner has learned, whatever the number of objects.
 
-    Where a world offers it, the policy searches for more actions before it chooses.
+    Where a world offers it, the policy searches for more actions before it chooses, unless `search` is None.
     """
 
     value: AnyValue
     env: gymnasium.Env[Any, Any]
+    search: Search | None = ANYHOW.search
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
-        return ANYHOW.tested(self.env, self.value).choose(decision, rng)
+        return Practice(search=self.search).tested(self.env, self.value).choose(decision, rng)
 
     def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
         """Return the choice for each decision, (n_decisions,)."""
@@ -91,7 +93,7 @@ class AgentPolicy:
         """
         if not isinstance(self.value, QValue):
             raise InputError("questions can only be left out of policies of smrf-q")
-        return AgentPolicy(self.value.with_questions(n), self.env)
+        return replace(self, value=self.value.with_questions(n))
 
 
 @final

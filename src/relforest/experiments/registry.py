@@ -28,6 +28,7 @@ _LEARNING: Final[ReadOnly[str, tuple[str, str]]] = {
     ),
     "high-towers-learning": ("TOWERS", "How many episodes do learners need to build high towers?"),
     "color-learning": ("COLORS", "How many episodes do learners need to group blocks by color?"),
+    "arch-learning": ("ARCH", "How many episodes do learners need to build arches?"),
 }
 """Studies of the package ``learning``, one for each task: name -> name in its module, and question."""
 

@@ -11,18 +11,19 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeVar, final
 
 from relforest.experiments.claims import Findings
 from relforest.experiments.runs import learn_in_folders
 from relforest.experiments.study import Context, Setting, Study, Unavailable, chosen_settings
 from relforest.experiments.table import Row, Table
 from relforest.reports.figure_files import save_figure
-from relforest.runs.manifest import Manifest, checked_folder, held
+from relforest.runs.manifest import VERSION, Manifest, checked_folder, held
+from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
 from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
 from relforest.support.options import at_least
@@ -31,7 +32,7 @@ from relforest.support.progress import part, report
 
 S = TypeVar("S", bound=Setting)
 
-_STUDY: Final = "study.json"
+STUDY: Final = "study.json"
 _SETTINGS: Final = "settings"
 _STUDY_FORMAT: Final = "relforest-study"
 _ROWS_FORMAT: Final = "relforest-study-rows"
@@ -86,7 +87,7 @@ def run_study(
     chosen = chosen_settings(study, settings, only or {})
     plain = [asdict(setting) for setting in settings]
     manifest = Manifest(
-        _STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
+        STUDY, _STUDY_FORMAT, {"study": study.name, "seed": seed, "smoke": smoke, "settings": plain}
     )
     files = {index: _file(Context(seed, index, folder)) for index in chosen}
     unsaved = [settings[index] for index, file in files.items() if not file.exists()]
@@ -100,12 +101,45 @@ def run_study(
         announce(line)
     with held(folder, manifest, is_finished=lambda: all(file.exists() for file in files.values())):
         _compute(study, {Context(seed, index, folder): settings[index] for index in files}, n_jobs, announce)
-        table = Table.of(
-            {"id": f"{study.name}/{index}/{seed}", **row}
-            for index, file in files.items()
-            for row in _read_rows(file, plain[index])
-        )
+        table = _table_of(study.name, seed, {index: (file, plain[index]) for index, file in files.items()})
         return _report(study, table, folder, notes)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SavedRows:
+    """What a folder holds of a study so far."""
+
+    study: str
+    seed: int
+    is_smoke: bool
+    table: Table
+    n_done: int
+    n_settings: int
+
+
+def saved_rows(folder: Path) -> SavedRows:
+    """Return the rows of all settings that are done, in a folder of `run_study`.
+
+    Raises
+    ------
+    InputError
+        If no setting is done yet.
+    RunFolderError
+        If a file is missing or damaged.
+    """
+    try:
+        document = read_json(folder / STUDY, format=_STUDY_FORMAT, version=VERSION)
+        with well_formed(f"{folder / STUDY} is damaged", "restore it, or run the study in another folder"):
+            name, seed, is_smoke = str(document["study"]), int(document["seed"]), bool(document["smoke"])
+            settings = list(document["settings"])
+    except ModelFormatError as error:
+        raise RunFolderError(str(error)) from error
+    files = {index: (_file(Context(seed, index, folder)), each) for index, each in enumerate(settings)}
+    done = {index: each for index, each in files.items() if each[0].exists()}
+    if not done:
+        raise InputError(f"{folder} has no results yet: run 'relforest experiment {name}' to its end")
+    return SavedRows(name, seed, is_smoke, _table_of(name, seed, done), len(done), len(settings))
 
 
 def _compute(
@@ -140,6 +174,15 @@ def _compute(
         n_jobs=n_jobs,
         prefer="processes",
         then=save,
+    )
+
+
+def _table_of(study: str, seed: int, files: Mapping[int, tuple[Path, Mapping[str, Any]]]) -> Table:
+    """Return all rows of some settings: the number of each -> its file, and what it is."""
+    return Table.of(
+        {"id": f"{study}/{index}/{seed}", **row}
+        for index, (file, setting) in files.items()
+        for row in _read_rows(file, setting)
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias, final
 
@@ -102,7 +102,7 @@ class Sheet:
 
     def to_text(self) -> str:
         """Return the caption and aligned columns, the first to the left, the others to the right."""
-        lines = [[cell.replace("\u00b1", "+-") for cell in line] for line in self._lines()]
+        lines = [[cell.replace("\u00b1", "+-") for cell in line] for line in self.lines()]
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         text = [self.caption]
         for first, *others in lines:
@@ -112,13 +112,14 @@ class Sheet:
 
     def to_markdown(self) -> str:
         """Return a Markdown table below its caption."""
-        header, *rows = self._lines()
+        header, *rows = self.lines()
         lines = [header, ["---", *("---:" for _ in header[1:])], *rows]
         # A mark at the beginning of a cell is no quotation, but some renderers read HTML.
         table = "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("<", "&lt;")
         return f"{self.caption}\n\n{table}"
 
-    def _lines(self) -> Iterable[list[str]]:
+    def lines(self) -> list[list[str]]:
+        """Return the cells of the headings and of every row as text."""
         formats = self.columns.values()
         return [
             list(self.columns),

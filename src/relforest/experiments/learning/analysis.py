@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Final
 
@@ -88,7 +88,8 @@ def figures(task: str, table: Table) -> Mapping[str, Figure]:
                 axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right")
         axes.set_xlabel("training episodes (band: all runs)")
         axes.set_ylabel("mean reward of a test episode")
-        axes.legend(frameon=True, framealpha=0.9, edgecolor="none")
+        if learners:
+            axes.legend(frameon=True, framealpha=0.9, edgecolor="none")
     return {"learning.png": figure}
 
 
@@ -120,28 +121,64 @@ def _claims(task: str, table: Table) -> Iterator[Claim]:
             p = float(stats.ttest_ind(*both, equal_var=False, alternative="greater").pvalue)
             name = f"{ours}: p of no more reward than {settings.LINEAR} after {episodes} episodes"
             yield Claim(name, p, high=0.05)
-    end = 2000 if task == settings.COLORS else 1000
-    level = found(task, hand, 0)
-    if len(own := found(task, ours, end)) and len(level):
-        if task == settings.KEEPAWAY:
-            name = f"{ours}: least reward of a run after {end} episodes, bound: hand-coded"
-            yield Claim(name, float(own.min()), low=float(level.mean()))
-        elif task == settings.TOWERS and len(own) == len(level):
-            # Run by run, both have played the same draws.
-            p = float(stats.ttest_rel(own, level, alternative="greater").pvalue)
-            yield Claim(f"{ours}: p of no more reward than {hand} after {end} episodes", p, high=0.05)
-        elif task == settings.COLORS:
-            name = f"{ours}: mean reward after {end} episodes, bound: {hand}"
-            yield Claim(name, float(own.mean()), low=float(level.mean()))
-        if len(sarsa := found(task, settings.SARSA, 6000)):
-            name = f"{ours}: least reward of a run after {end} episodes, bound: {settings.SARSA} after 6000"
-            yield Claim(name, float(own.min()), low=float(sarsa.mean()))
-        for other in settings.LARGER:
-            if len(there := found(other, ours, end)):
-                low = settings.TRANSFER.get(other, float(found(other, hand, 0).mean()))
-                yield Claim(
-                    f"{ours}: mean reward in {other} without learning there", float(there.mean()), low=low
-                )
+    if len(found(task, hand, 0)):
+        yield from _AGAINST_HAND[task](table)
+
+
+def _keepaway_claims(table: Table) -> Iterator[Claim]:
+    found, ours, end, task = partial(rewards, table), settings.OURS, 1000, settings.KEEPAWAY
+    if not len(own := found(task, ours, end)):
+        return
+    for other, episodes in ((settings.HAND[task], 0), (settings.SARSA, 6000)):
+        if len(level := found(task, other, episodes)):
+            name = f"{ours}: least reward of a run after {end} episodes, bound: {other}"
+            yield Claim(
+                name + (f" after {episodes}" if episodes else ""), float(own.min()), low=float(level.mean())
+            )
+    for larger in settings.LARGER:
+        if len(there := found(larger, ours, end)):
+            low = settings.TRANSFER.get(larger, float(found(larger, settings.HAND[task], 0).mean()))
+            yield Claim(
+                f"{ours}: mean reward in {larger} without learning there", float(there.mean()), low=low
+            )
+
+
+def _tower_claims(table: Table) -> Iterator[Claim]:
+    ours, hand, end = settings.OURS, settings.HAND[settings.TOWERS], 1000
+    own, level = (rewards(table, settings.TOWERS, *each) for each in ((ours, end), (hand, 0)))
+    if len(own) == len(level):
+        # Run by run, both have played the same draws.
+        p = float(stats.ttest_rel(own, level, alternative="greater").pvalue)
+        yield Claim(f"{ours}: p of no more reward than {hand} after {end} episodes", p, high=0.05)
+
+
+def _color_claims(table: Table) -> Iterator[Claim]:
+    yield from _mean_claim(table, settings.COLORS, 2000)
+
+
+def _arch_claims(table: Table) -> Iterator[Claim]:
+    end = 1500
+    if len(rewards(table, settings.ARCH, settings.OURS, end)):
+        rows = table.where(played=settings.ARCH, condition=settings.OURS, episodes=end)
+        name = f"{settings.OURS}: share of test episodes that end with an arch after {end} episodes"
+        yield Claim(name, float(rows.numbers("paid").mean()), low=settings.STANDING)
+    yield from _mean_claim(table, settings.ARCH, end)
+
+
+def _mean_claim(table: Table, task: str, end: int) -> Iterator[Claim]:
+    ours, hand = settings.OURS, settings.HAND[task]
+    own, level = (rewards(table, task, *each) for each in ((ours, end), (hand, 0)))
+    if len(own):
+        name = f"{ours}: mean reward after {end} episodes, bound: {hand}"
+        yield Claim(name, float(own.mean()), low=float(level.mean()))
+
+
+_AGAINST_HAND: Final[Mapping[str, Callable[[Table], Iterator[Claim]]]] = {
+    settings.KEEPAWAY: _keepaway_claims,
+    settings.TOWERS: _tower_claims,
+    settings.COLORS: _color_claims,
+    settings.ARCH: _arch_claims,
+}
 
 
 def _form(task: str) -> str:
@@ -166,3 +203,4 @@ def _study(name: str, task: str) -> Study[LearningSetting]:
 KEEPAWAY: Final = _study("keepaway-learning", settings.KEEPAWAY)
 TOWERS: Final = _study("high-towers-learning", settings.TOWERS)
 COLORS: Final = _study("color-learning", settings.COLORS)
+ARCH: Final = _study("arch-learning", settings.ARCH)

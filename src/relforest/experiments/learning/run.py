@@ -1,15 +1,30 @@
-"""One run, or one hand-made policy -> rows: task, condition, run, episodes, reward, and where it played."""
+"""One run, or one hand-made policy -> rows: task, condition, run, where it played, episodes, reward.
+
+Of the last policy there is also the share of the test episodes in which it was paid.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, cast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from operator import methodcaller
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from relforest.experiments.blocks.episodes import play
 from relforest.experiments.learned_policies import AgentPolicy, learned_policy
-from relforest.experiments.learning.settings import BUDGETS, KEEPAWAY, LARGER, LEARNERS, OURS, LearningSetting
+from relforest.experiments.learning.settings import (
+    ARCH,
+    BUDGETS,
+    KEEPAWAY,
+    LARGER,
+    LEARNERS,
+    OURS,
+    LearningSetting,
+)
 from relforest.experiments.methods import METHODS
 from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import RunInFolder
@@ -27,6 +42,15 @@ if TYPE_CHECKING:
 _TESTS: Final = 1_000_000
 # How many times as many episodes tell how good a policy is in the end.
 _MORE: Final = 5
+
+Change: TypeAlias = Callable[[AgentPolicy], AgentPolicy]
+
+
+_CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
+    KEEPAWAY: {f", {n} questions": methodcaller("with_questions", n) for n in BUDGETS},
+    ARCH: {", without search": partial(replace, search=None)},
+}
+"""Task -> what else is tested in the end, by what is added to the name of `OURS`."""
 
 
 def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
@@ -62,38 +86,41 @@ def unavailable(settings: Sequence[LearningSetting]) -> Mapping[LearningSetting,
 def compute(setting: LearningSetting, context: Context) -> list[Row]:
     """Return a row per iteration but the last, and one for each task that is played in the end."""
     head: Row = {"task": setting.task, "condition": setting.condition, "run": setting.run}
-    run, tasks = learned(setting, context), (setting.task, *LARGER[: setting.others])
-    total = setting.iterations * setting.episodes
-    played = [
-        (setting.task, int(row["iteration"]) * setting.episodes, float(row["test_reward"]))
-        for row in (() if run is None else metrics_of(run.folder)[: setting.iterations])
+    run = learned(setting, context)
+    rows: list[Row] = []
+    for row in () if run is None else metrics_of(run.folder)[: setting.iterations]:
+        episodes, reward = int(row["iteration"]) * setting.episodes, float(row["test_reward"])
+        rows.append({**head, "played": setting.task, "episodes": episodes, "reward": reward, "paid": None})
+    ends: list[tuple[str, str, Change]] = [
+        (task, "", replace) for task in (setting.task, *LARGER[: setting.others])
     ]
-    played += [(task, total, _played(task, setting, run, context)) for task in tasks]
-    rows: list[Row] = [
-        {**head, "played": task, "episodes": episodes, "reward": reward} for task, episodes, reward in played
-    ]
-    for n in BUDGETS if (setting.task, setting.condition) == (KEEPAWAY, OURS) else ():
-        reward = _played(setting.task, setting, run, context, questions=n)
-        budget = {"condition": f"{OURS}, {n} questions", "played": setting.task}
-        rows.append({**head, **budget, "episodes": total, "reward": reward})
+    if setting.condition == OURS:
+        ends += [(setting.task, name, change) for name, change in _CHANGES.get(setting.task, {}).items()]
+    for task, name, change in ends:
+        rewards = _rewards(task, setting, run, context, change)
+        end = {"episodes": setting.iterations * setting.episodes, "reward": float(rewards.mean())}
+        rows.append(
+            {
+                **head,
+                "condition": setting.condition + name,
+                "played": task,
+                **end,
+                "paid": float((rewards > 0.0).mean()),
+            }
+        )
     return rows
 
 
-def _played(
-    task: str,
-    setting: LearningSetting,
-    run: RunInFolder | None,
-    context: Context,
-    *,
-    questions: int | None = None,
-) -> float:
+def _rewards(
+    task: str, setting: LearningSetting, run: RunInFolder | None, context: Context, change: Change
+) -> NDArray[np.float64]:
+    """Return the rewards of the last test episodes."""
     env = task_named(task).make()
     seed = stream(seed_sequence(context.seed), _TESTS, setting.run)
     world, tests = env.unwrapped, _MORE * setting.tests
     if run is not None:
         policy = learned_policy(run.folder, env)
-        if questions is not None and isinstance(policy, AgentPolicy):
-            policy = policy.with_questions(questions)
+        policy = change(policy) if isinstance(policy, AgentPolicy) else policy
         rewards = rollout(env, policy, tests, seed).episode_rewards
     elif isinstance(world, BlocksEnv):
         # These policies stop when they have reached what they wanted.
@@ -102,7 +129,7 @@ def _played(
     else:
         hand_made = cast("WorldEnv", world).policies[setting.condition]
         rewards = rollout(env, hand_made, tests, seed).episode_rewards
-    return float(rewards.mean())
+    return rewards
 
 
 def _seed_of(condition: str, seed: int) -> int:

@@ -11,6 +11,7 @@ from relforest.experiments.tasks import MethodName
 KEEPAWAY: Final = "keepaway"
 TOWERS: Final = "high-towers"
 COLORS: Final = "color-grouping"
+ARCH: Final = "arch"
 
 
 @final
@@ -32,7 +33,7 @@ class LearningSetting:
         Training episodes per iteration; 0 for a hand-made policy.
     iterations : int
     tests : int
-        Test episodes after each iteration; in the end, five times as many, which begin alike for every policy.
+        Test episodes after each iteration; in the end, five times as many, which begin alike for all.
     others : int
         How many of `LARGER` are played too in the end, without any more learning.
     """
@@ -81,7 +82,7 @@ OURS: Final = "smrf-q"
 SARSA: Final = "cmac-sarsa"
 LINEAR: Final = "linear-q"
 LARGER: Final = ("keepaway-4v3", "keepaway-5v4", "keepaway-6v5")
-HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLORS: "manual"}
+HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLORS: "manual", ARCH: "trainer"}
 """Task -> the policy to beat."""
 
 BUDGETS: Final = (5, 10, 20, 30, 40)
@@ -140,6 +141,11 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
         *_hand_made(COLORS, "manual", "random", tests=_FEWER),
         *_runs(COLORS, OURS, _BATCH, 20, tests=_FEWER),
     ),
+    ARCH: (
+        *_hand_made(ARCH, "trainer", "careful", "random", tests=_FEWER),
+        *_runs(ARCH, OURS, 500, 3, runs=5, tests=_FEWER),
+        *_runs(ARCH, "smrf-rpi-500", 500, 3, runs=5, tests=_FEWER),
+    ),
 }
 SMOKE: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
     task: tuple(
@@ -147,16 +153,19 @@ SMOKE: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
         for name, episodes, iterations in ((HAND[task], 0, 0), (OURS, 20, 2))
         for run in range(2)
     )
-    for task in (KEEPAWAY, TOWERS, COLORS)
+    for task in SETTINGS
 }
 
 GOALS: Final[Mapping[str, Mapping[int, float]]] = {
     KEEPAWAY: {500: 172.0, 1000: 182.0},
     TOWERS: {100: 5.7, 500: 8.0},
     COLORS: {500: 0.83},
+    ARCH: {},
 }
 """Task -> training episodes -> the mean reward that `OURS` must reach."""
 LEAST: Final[Mapping[str, tuple[int, float]]] = {KEEPAWAY: (500, 155.0)}
 """Task -> training episodes, and what every run must reach by then."""
 TRANSFER: Final[Mapping[str, float]] = {"keepaway-4v3": 95.0}
 """Task -> what must be reached there without learning."""
+STANDING: Final = 0.53
+"""Share of the test episodes in the arch task that must end with an arch."""
