@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
@@ -21,7 +23,9 @@ CLASSIFIERS = [
 ]
 
 # The defaults of this one serve the quality of predictions and take long without the compiler.
-OPTIONS = {VolumeCommitteeClassifier: {"n_splits": 2, "n_volumes": 4, "n_balls": 60}}
+OPTIONS: dict[type[BagClassifier], dict[str, Any]] = {
+    VolumeCommitteeClassifier: {"n_splits": 2, "n_volumes": 4, "n_balls": 60}
+}
 # Scikit-learn excuses its own machines by LIBSVM, and what cross-validates, from this check: repeated bags
 # change the kernel width, what is sampled, and the splits that probabilities of three classes come from.
 EQUIVALENCE = {

@@ -239,6 +239,7 @@ def test_parameters_are_those_of_scikit_learn() -> None:
         "sampled": 1,
         "shape": "full",
         "learner": "covagg",
+        "probability": False,
         "random_state": None,
     }
 

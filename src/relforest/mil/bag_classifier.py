@@ -30,11 +30,7 @@ _N_SPLITS: Final = 5
 
 def _knows_odds(self: BagClassifier) -> bool:
     """Whether there are probabilities: always for more than two classes."""
-    if self.probability or self._scores_are_log_odds or hasattr(self, "estimators_"):
-        return True
-    raise AttributeError(
-        f"for probabilities, fit a {type(self).__name__}(probability=True), which also scores left-out bags"
-    )
+    return self.probability or self._scores_are_log_odds or hasattr(self, "estimators_")
 
 
 def _forget(estimator: BaseEstimator, attribute: str) -> None:
@@ -59,6 +55,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
     n_features_in_: int = field(init=False)
     estimators_: tuple[Self, ...] = field(init=False)
     factor_: float = field(init=False)
+    n_iter_: int = field(init=False)
     _scores_are_log_odds: ClassVar[bool] = False
 
     def fit(self, bags: object, y: ArrayLike | None = None) -> Self:
@@ -97,6 +94,9 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
                 self.estimators_ = tuple(
                     self._against_the_rest(data, codes == code, weights) for code in range(len(classes))
                 )
+                # Scikit-learn asks for the number of iterations, whatever the number of classes.
+                if hasattr(self.estimators_[0], "n_iter_"):
+                    self.n_iter_ = max(machine.n_iter_ for machine in self.estimators_)
         self.classes_ = classes
         remember_columns(self, data)
         return self
