@@ -239,6 +239,7 @@ def test_parameters_are_those_of_scikit_learn() -> None:
         "sampled": 1,
         "shape": "full",
         "learner": "covagg",
+        "probability": False,
         "random_state": None,
     }
 
@@ -268,7 +269,7 @@ def test_cross_validation_takes_bags_in_an_array() -> None:
         (np.zeros((2, 1)), [0, 1, 1], "got 3 labels for 2 bags"),
         (np.zeros((2, 1)), None, "requires y to be passed, but the target y is None"),
         (np.zeros((2, 1)), [1, 1], "labels of 2 classes are needed, but 2 bags have only 1 class: 1"),
-        (np.zeros((3, 1)), [0, 1, 2], "Only binary classification is supported"),
+        (np.zeros((3, 1)), [0, 1, 2], "3 bags have 3 classes"),
         (np.zeros((2, 1)), [0.5, 1.7], "Unknown label type: continuous"),
         (np.zeros((2, 1)), [np.nan, 1.0], "labels contain NaN or infinite values"),
         (np.zeros((2, 1)), [[0, 1], [1, 0]], "y should be a 1d array"),

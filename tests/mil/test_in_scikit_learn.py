@@ -11,6 +11,7 @@ import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pytest
+from scipy.special import expit
 from sklearn.base import clone
 from sklearn.calibration import CalibratedClassifierCV
 from sklearn.ensemble import BaggingClassifier
@@ -208,3 +209,97 @@ def _draw(state: Any) -> list[int]:
     draw = state.randint if hasattr(state, "randint") else state.integers
     drawn: list[int] = draw(0, 2**31, 4).tolist()
     return drawn
+
+
+CLASSIFIERS = {name: model for name, model in ESTIMATORS.items() if name != "pipeline"}
+each_classifier = pytest.mark.parametrize("name", CLASSIFIERS)
+WEIGHTED = ("committee", "ball", "MILES", "MI-SVM", "mi-SVM", "SI-SVM")
+
+
+@each_classifier
+def test_probabilities_agree_with_predictions_and_rise_with_scores(name: str) -> None:
+    model = clone(CLASSIFIERS[name]).set_params(probability=True).fit(BAGS, Y)
+    shares, scores = model.predict_proba(BAGS), model.decision_function(BAGS)
+
+    assert shares.shape == (24, 2)
+    assert shares.sum(axis=1) == pytest.approx(np.ones(24))
+    assert (model.classes_[shares.argmax(axis=1)] == model.predict(BAGS)).all()
+    assert (np.diff(shares[np.argsort(scores), 1]) >= 0.0).all()
+    # Learning what the scores mean does not change them.
+    assert scores.tolist() == clone(CLASSIFIERS[name]).fit(BAGS, Y).decision_function(BAGS).tolist()
+
+
+@each_classifier
+def test_without_the_option_only_log_odds_are_probabilities(name: str) -> None:
+    model = clone(CLASSIFIERS[name]).fit(BAGS, Y)
+    if name in ("committee", "density", "EM"):
+        odds = model.decision_function(BAGS)
+        assert model.predict_proba(BAGS)[:, 1] == pytest.approx(expit(odds))
+    else:
+        assert not hasattr(model, "predict_proba")
+        with pytest.raises(AttributeError, match="has no attribute 'predict_proba'"):
+            model.predict_proba(BAGS)
+
+
+@each_classifier
+def test_three_classes_are_each_told_from_the_others(name: str) -> None:
+    names = np.array(["plain", "near", "far"])[np.where(np.arange(24) % 4 == 2, 2, Y)]
+    bags = [bag + 200.0 * (label == "far") for bag, label in zip(BAGS, names, strict=True)]
+    model = clone(CLASSIFIERS[name]).fit(bags, names)
+    scores, shares = model.decision_function(bags), model.predict_proba(bags)
+
+    assert model.classes_.tolist() == ["far", "near", "plain"]
+    assert scores.shape == shares.shape == (24, 3)
+    assert shares.sum(axis=1) == pytest.approx(np.ones(24))
+    assert (model.predict(bags) == model.classes_[scores.argmax(axis=1)]).all()
+    assert (shares.argmax(axis=1) == scores.argmax(axis=1)).all()
+    for code, machine in enumerate(model.estimators_):
+        assert machine.predict_proba(bags)[:, 1] == pytest.approx(expit(scores[:, code]))
+        assert type(machine) is type(model)
+    method = "witness" if hasattr(model, "witness") else "influences"
+    if hasattr(model, method):
+        with pytest.raises(InputError, match="has 3 classes: ask one of estimators_"):
+            getattr(model, method)(bags)
+        assert len(getattr(model.estimators_[0], method)(bags)) == 24
+    # Two classes again leave nothing behind.
+    again = model.fit(BAGS, Y)
+    assert not hasattr(again, "estimators_")
+    assert (
+        again.decision_function(BAGS).tolist() == clone(model).fit(BAGS, Y).decision_function(BAGS).tolist()
+    )
+
+
+@pytest.mark.parametrize("name", WEIGHTED)
+def test_weights_count_and_bags_without_weight_do_not(name: str) -> None:
+    kept = np.arange(24) % 6 != 3
+    weighted = clone(CLASSIFIERS[name]).fit(BAGS, Y, sample_weight=kept)
+    without = clone(CLASSIFIERS[name]).fit(
+        [bag for bag, is_in in zip(BAGS, kept, strict=True) if is_in], Y[kept]
+    )
+    equal = clone(CLASSIFIERS[name]).fit(BAGS, Y, sample_weight=np.full(24, 3.0))
+    plain = clone(CLASSIFIERS[name]).fit(BAGS, Y).decision_function(BAGS)
+
+    assert weighted.decision_function(BAGS).tolist() == without.decision_function(BAGS).tolist()
+    assert equal.decision_function(BAGS).tolist() == plain.tolist()
+    # Contradictions are settled by the heavier bags.
+    bags, y = [*BAGS, *BAGS], np.concatenate([Y, 1 - Y])
+    heavy = np.repeat([30.0, 1.0], 24)
+    believed = clone(CLASSIFIERS[name]).fit(bags, y, sample_weight=heavy).predict(BAGS)
+    assert (believed == Y).mean() > 0.6
+
+
+@pytest.mark.parametrize("name", sorted(set(CLASSIFIERS) - set(WEIGHTED)))
+def test_a_method_that_cannot_use_weights_does_not_take_them(name: str) -> None:
+    with pytest.raises(TypeError, match="unexpected keyword argument 'sample_weight'"):
+        clone(CLASSIFIERS[name]).fit(BAGS, Y, sample_weight=np.ones(24))
+
+
+def test_a_weight_counts_like_that_many_bags() -> None:
+    counts = 1 + np.arange(24) % 3
+    weighted = OptimalBallClassifier().fit(BAGS, Y, sample_weight=counts)
+    repeated = OptimalBallClassifier().fit(
+        [bag for bag, count in zip(BAGS, counts, strict=True) for _ in range(count)], Y.repeat(counts)
+    )
+
+    assert weighted.radius_ == repeated.radius_
+    assert weighted.centre_.tolist() == repeated.centre_.tolist()

@@ -26,7 +26,13 @@ def trained(
     features: Floats, positive: NDArray[np.bool_], C: float = 1.0, *, seed: int = 0, passes: int = 1000
 ) -> SparseMachine:
     return train_sparse_machine(
-        features, positive, (C, C), fit_intercept=True, tol=1e-8, max_passes=passes, seed=seed
+        features,
+        positive,
+        np.full(len(positive), C),
+        fit_intercept=True,
+        tol=1e-8,
+        max_passes=passes,
+        seed=seed,
     )
 
 
@@ -34,7 +40,7 @@ def test_an_optimum_by_hand() -> None:
     # One feature, 1 and -1 in equal numbers: |w| + 4 C (1 - w)^2 is least where 8 C (1 - w) = 1.
     features = np.array([[1.0], [1.0], [-1.0], [-1.0]])
     machine = train_sparse_machine(
-        features, features[:, 0] > 0, (2.0, 2.0), fit_intercept=False, tol=1e-10, max_passes=100, seed=0
+        features, features[:, 0] > 0, np.full(4, 2.0), fit_intercept=False, tol=1e-10, max_passes=100, seed=0
     )
 
     assert machine.coefficients == pytest.approx([1 - 1 / 16])
@@ -75,9 +81,9 @@ def test_liblinear_gives_the_same(seed: int, C: float, passes: int) -> None:
     assert machine.n_passes == peer.n_iter_
 
 
-def test_classes_may_have_different_prices() -> None:
+def test_examples_may_have_different_prices() -> None:
     features, positive = np.ones((10, 1)), np.arange(10) < 5
-    for prices, sign in (((1.0, 9.0), 1.0), ((9.0, 1.0), -1.0)):
+    for prices, sign in ((np.where(positive, 9.0, 1.0), 1.0), (np.where(positive, 1.0, 9.0), -1.0)):
         machine = train_sparse_machine(
             features, positive, prices, fit_intercept=False, tol=1e-6, max_passes=100, seed=0
         )
@@ -86,7 +92,7 @@ def test_classes_may_have_different_prices() -> None:
 
 def test_no_features_give_no_weights() -> None:
     machine = train_sparse_machine(
-        np.empty((3, 0)), np.array([True, False, True]), (1.0, 1.0),
+        np.empty((3, 0)), np.array([True, False, True]), np.ones(3),
         fit_intercept=False, tol=1e-4, max_passes=10, seed=0,
     )  # fmt: skip
 

@@ -62,7 +62,8 @@ def test_the_rarer_class_counts_as_much() -> None:
 def test_every_panel_alone_is_a_classifier(panel: str) -> None:
     model = fitted(panels=(panel,))
 
-    assert peirce_skill_score(TEST_Y, model.predict(TEST)) >= 0.6
+    # With so few volumes, "whole" has one, which finds one of the two parts.
+    assert peirce_skill_score(TEST_Y, model.predict(TEST)) >= (0.4 if panel == "whole" else 0.6)
     assert list(model.panel_weights_) == [panel]
     assert {volume.panel for volume in model.volumes_} == {panel} & set(VOLUME_PANELS)
     assert model.balls_.near_weights.any() == (panel == "near balls")
@@ -95,9 +96,9 @@ def test_volumes_come_weightiest_first_and_in_the_units_of_the_data() -> None:
 
     assert weights == sorted(weights, reverse=True)
     assert all(abs(volume.centre[1] - 1000) < 60 for volume in model.volumes_)
-    # 2 splits of 4 + 2 volumes, by turns of positive and of negative bags.
-    assert len(model.volumes_) == 12
-    assert sum(volume.seeks_positive for volume in model.volumes_) == 6
+    # 2 splits of 4 + 2 volumes, by turns of positive and of negative bags, and of 1 of positive bags.
+    assert len(model.volumes_) == 14
+    assert sum(volume.seeks_positive for volume in model.volumes_) == 8
 
 
 def test_an_instance_has_the_influence_that_its_bag_would_lose() -> None:
@@ -200,8 +201,8 @@ def test_too_few_bags_to_leave_some_out(y: list[int]) -> None:
     model = fitted(bags, y)
 
     assert np.isfinite(model.decision_function(bags)).all()
-    # Nothing was compared: all four panels count 1 / 4.
-    assert list(model.panel_weights_.values()) == pytest.approx([0.25] * 4)
+    # Nothing was compared: all five panels count 1 / 5.
+    assert list(model.panel_weights_.values()) == pytest.approx([0.2] * 5)
 
 
 def test_balls_may_all_lie_in_bags_left_out() -> None:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from relforest.scenes import as_bags
-from relforest.scenes.bags import own_labels
+from relforest.scenes.bags import own_labels, rows_of
 from relforest.support.errors import InputError
 from strategies import BagSet, bag_sets
 
@@ -31,6 +31,17 @@ def test_a_list_of_arrays_keeps_its_order() -> None:
         assert bags.starts.tolist() == [0, 2, 3]
         assert bags.counts.tolist() == [2, 1]
         assert bags.bag_ids.tolist() == [0, 1]
+
+
+def test_some_bags_can_be_taken_in_any_order() -> None:
+    rows, starts = rows_of(np.array([0, 2, 3, 6]), np.array([2, 0]))
+    taken = as_bags((np.array([[0.0], [1.0], [2.0], [3.0]]), ["v", "u", "v", "w"])).taken(np.array([2, 0]))
+
+    assert rows.tolist() == [3, 4, 5, 0, 1]
+    assert starts.tolist() == [0, 3, 5]
+    assert taken.points.tolist() == [[3], [0], [2]]
+    assert taken.starts.tolist() == [0, 1, 3]
+    assert taken.bag_ids.tolist() == ["w", "v"]
 
 
 @pytest.mark.parametrize("ids", [["v", "u", "v", "w"], [5, -3, 5, 4]])

@@ -9,17 +9,17 @@ import pyarrow as pa
 import pytest
 from sklearn.exceptions import DataConversionWarning
 
-from relforest.scenes.labels import binary_labels
+from relforest.scenes.labels import class_labels
 from relforest.support.errors import InputError
 
 
 @pytest.mark.parametrize("classes", [[0, 1], [-1, 1], [False, True], ["far", "near"]])
-def test_the_second_class_in_sorted_order_is_positive(classes: list[Any]) -> None:
+def test_classes_come_in_sorted_order(classes: list[Any]) -> None:
     no, yes = classes
-    found, positive = binary_labels([yes, no, no], 3, what="scenes")
+    found, codes = class_labels([yes, no, no], 3, what="scenes")
 
     assert found.tolist() == classes
-    assert positive.tolist() == [True, False, False]
+    assert codes.tolist() == [1, 0, 0]
 
 
 @pytest.mark.parametrize(
@@ -32,12 +32,12 @@ def test_the_second_class_in_sorted_order_is_positive(classes: list[Any]) -> Non
             "values: give each of the bags one of the classes",
         ),
         ([1.0, 0.0, float("inf")], "labels contain NaN or infinite values"),
-        ([1, 2, 3], r"Only binary classification is supported.* 3 classes \(1, 2, 3"),
+        ([1, 2, 3], "3 bags have 3 classes: give at least two bags a class on average"),
     ],
 )
-def test_labels_that_are_not_one_of_two_classes_per_bag_are_refused(y: list[float], message: str) -> None:
+def test_labels_that_do_not_name_a_class_of_each_bag_are_refused(y: list[float], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        binary_labels(y, 3, what="bags")
+        class_labels(y, 3, what="bags")
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_labels_that_are_not_one_of_two_classes_per_bag_are_refused(y: list[floa
 )
 def test_things_that_are_not_labels_are_refused(y: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        binary_labels(y, 3, what="bags")
+        class_labels(y, 3, what="bags")
 
 
 @pytest.mark.parametrize(
@@ -78,13 +78,13 @@ def test_things_that_are_not_labels_are_refused(y: Any, message: str) -> None:
     ],
 )
 def test_columns_of_any_library_are_labels(y: Any) -> None:
-    assert binary_labels(y, 3, what="bags")[1].tolist() == [False, True, False]
+    assert class_labels(y, 3, what="bags")[1].tolist() == [0, 1, 0]
 
 
 def test_a_column_vector_is_flattened_with_scikit_learns_warning() -> None:
     with pytest.warns(
         DataConversionWarning, match="A column-vector y was passed when a 1d array was expected"
     ):
-        _, positive = binary_labels(np.array([[0], [1], [0]]), 3, what="bags")
+        _, codes = class_labels(np.array([[0], [1], [0]]), 3, what="bags")
 
-    assert positive.tolist() == [False, True, False]
+    assert codes.tolist() == [0, 1, 0]

@@ -1,4 +1,5 @@
 from . import readers
+from .assumption_bags import false_frequency, poisoned_presence, poisoned_threshold
 from .bag_set import About, BagSet
 from .catalogue import CATALOGUE
 from .concepts import between_scenes, figure41_scenes, yellow_scenes
@@ -28,6 +29,7 @@ __all__ = [
     "covariant1",
     "covariant2",
     "disjunctive",
+    "false_frequency",
     "fetch",
     "fetch_elephant",
     "fetch_fox",
@@ -40,6 +42,8 @@ __all__ = [
     "fetch_tiger",
     "figure41_scenes",
     "load_east_west",
+    "poisoned_presence",
+    "poisoned_threshold",
     "read_arff",
     "read_c45",
     "read_csv",

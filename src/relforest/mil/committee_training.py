@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import TypeAlias, final
 
 import numpy as np
-from numpy.random import RandomState as LegacyGenerator
 from numpy.typing import NDArray
 
 from relforest.mil.feature_view import FeatureView
 from relforest.mil.placed_volume import PlacedVolume, bag_nearness
-from relforest.mil.volume_panels import BALL_RULES, PANELS, Rule, find_volumes, rows_of, volume_rule
+from relforest.mil.volume_panels import BALL_RULES, PANELS, VOLUME_PANELS, Rule, find_volumes, volume_rule
+from relforest.scenes.bags import rows_of
 from relforest.support.rng import generator, stream
 
 # Volumes of a panel, and the nearness (b, k) of all bags to them.
@@ -30,6 +30,7 @@ class Training:
     points: NDArray[np.float64]  # (n, d)
     starts: NDArray[np.int64]  # (b + 1,)
     positive: NDArray[np.bool_]  # (b,)
+    weights: NDArray[np.float64]  # (b,)
     ball_bags: NDArray[np.int64]  # (m,) bag of the instance at the centre of each ball
     ball_features: dict[str, NDArray[np.float64]]  # (b, m) for each of `BALL_RULES`
     n_volumes: int
@@ -47,31 +48,11 @@ class PanelMember:
     scores: NDArray[np.float64]  # (t,)
 
 
-def split_bags(
-    positive: NDArray[np.bool_], n_splits: int, rng: np.random.Generator
-) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Return training and left-out bags of each split; if splitting is impossible, all bags are both."""
-    n_splits = min(n_splits, int(positive.sum()), int((~positive).sum()))
-    if n_splits < 2:
-        return [(np.arange(len(positive)),) * 2]
-    # The folds of scikit-learn's `StratifiedKFold`, which would change warning filters for all threads.
-    shuffler = LegacyGenerator(int(rng.integers(2**31)))
-    fold = np.empty(len(positive), dtype=np.int64)
-    n_dealt = 0
-    for is_member in (positive == positive[0], positive != positive[0]):
-        n_members = int(np.count_nonzero(is_member))
-        dealt = np.sort(np.arange(n_dealt, n_dealt + n_members) % n_splits)
-        shuffler.shuffle(dealt)
-        fold[is_member] = dealt
-        n_dealt += n_members
-    return [(np.flatnonzero(fold != number), np.flatnonzero(fold == number)) for number in range(n_splits)]
-
-
 def find_split_volumes(
     training: Training, panels: tuple[str, ...], train: NDArray[np.int64], seed: np.random.SeedSequence
 ) -> dict[str, FoundVolumes]:
     """Aggregate the volumes of each volume panel from the bags `train`."""
-    positive = training.positive[train]
+    positive, weights = training.positive[train], training.weights[train]
     rows, starts = rows_of(training.starts, train)
     found = {}
     for name in panels:
@@ -83,7 +64,7 @@ def find_split_volumes(
         volumes = find_volumes(
             name,
             view,
-            (coordinates[rows], starts, positive),
+            (coordinates[rows], starts, positive, weights),
             n_volumes=training.n_volumes,
             part_size=training.part_size,
             rng=rng,
@@ -100,17 +81,17 @@ def train_panels(
     test: NDArray[np.int64],
 ) -> list[PanelMember]:
     """Learn the rule of every panel from the bags `train`, and score the bags `test`."""
-    positive = training.positive[train]
+    positive, weights = training.positive[train], training.weights[train]
     members = []
     for name in panels:
         balls = np.empty(0, dtype=np.int64)
         volumes: list[PlacedVolume] = []
         if name in found:
             volumes, near = found[name]
-            rule = volume_rule(near[train], positive)
+            rule = volume_rule(near[train], positive, weights, price=VOLUME_PANELS[name].price)
         else:
             balls = np.flatnonzero(np.isin(training.ball_bags, train))
             near = training.ball_features[name][:, balls]
-            rule = BALL_RULES[name](near[train], positive)
+            rule = BALL_RULES[name](near[train], positive, weights)
         members.append(PanelMember(volumes, balls, rule, rule.scores(near[test])))
     return members

@@ -38,6 +38,9 @@ class CovAggClassifier(InstanceClassifier):
         What ellipsoids may be learned: any, those along the axes, or intervals of one feature only.
     learner : {"covagg", "diverse-density"}, default "covagg"
         Covariant aggregation, or the source's earlier learner (section 5.2.1), which does not use `window`.
+    probability : bool, default False
+        Whether `fit` also trains on parts of the bags, five times, to learn how scores become probabilities,
+        which `predict_proba` returns.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed of the sampling; an integer makes `fit` reproducible.
 
@@ -46,8 +49,13 @@ class CovAggClassifier(InstanceClassifier):
     volume_ : Ellipsoid or Slab
         The decision volume, with `mean`, `covariance` (V of eq. 3.6) and `radius` (measured by V). It is a
         `Slab`, the `interval` of one feature of several, only for the shape "axis".
-    classes_ : (2,) array
-        The two labels; ``classes_[1]`` is the positive class.
+    classes_ : (n_classes,) array
+        The labels, sorted. Of two, ``classes_[1]`` is the positive class.
+    estimators_ : tuple of CovAggClassifier
+        Only if there are more than two classes: for each, one that tells it from the others. They have the
+        attributes of what was learned, such as `volume_`, instead of this one.
+    factor_ : float
+        With `probability`: log odds are the scores times this factor.
     n_features_in_ : int
         Dimension of the points.
     feature_names_in_ : (d,) str
@@ -87,7 +95,8 @@ class CovAggClassifier(InstanceClassifier):
     learner: VolumeLearner = "covagg"
     random_state: RandomState = None
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
+        del weights
         settings = CovAggSettings(
             self.window,
             self.prior_weight,

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from relforest.mil.logistic_rule import balance
+
 # Pull towards equal weights, so that a few bags do not decide between panels.
 _PULL: Final = 1.0
 # Deviation that rounding alone gives to equal scores, relative to their size.
@@ -24,7 +26,7 @@ def score_spread(scores: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def panel_weights(
-    scores: NDArray[np.float64], positive: NDArray[np.bool_]
+    scores: NDArray[np.float64], positive: NDArray[np.bool_], bag_weights: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], float]:
     """Return non-negative weights of the panels and an intercept, for log odds with balanced classes.
 
@@ -34,6 +36,8 @@ def panel_weights(
         Score of each bag by each panel; no panel was trained on the bags it scores.
     positive : (b,) bool
         Labels; both values occur.
+    bag_weights : (b,) float64
+        Weights of the bags; those of both classes are scaled to equal totals.
 
     Returns
     -------
@@ -46,16 +50,16 @@ def panel_weights(
     # The optimiser stops early if scores are far from 0.
     scaled = (scores - mean) / spread
     sign = np.where(positive, 1.0, -1.0)
-    balance = np.where(positive, 0.5 / positive.mean(), 0.5 / (1.0 - positive.mean()))
+    importance = balance(positive, bag_weights)
     equal = 1.0 / n_panels
 
     def loss(parameters: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         weights, intercept = parameters[:-1], parameters[-1]
         margin = sign * (scaled @ weights + intercept)
         # d/dm log(1 + exp(-m)), in a form that does not overflow.
-        slope = -balance * sign * 0.5 * (1.0 - np.tanh(0.5 * margin))
+        slope = -importance * sign * 0.5 * (1.0 - np.tanh(0.5 * margin))
         pull = weights - equal
-        value = float(balance @ np.logaddexp(0.0, -margin) + 0.5 * _PULL * pull @ pull)
+        value = float(importance @ np.logaddexp(0.0, -margin) + 0.5 * _PULL * pull @ pull)
         return value, np.append(scaled.T @ slope + _PULL * pull, slope.sum())
 
     start = np.append(np.full(n_panels, equal), 0.0)

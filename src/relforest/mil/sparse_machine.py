@@ -72,7 +72,7 @@ class Descent(NamedTuple):
 def train_sparse_machine(
     features: NDArray[np.float64],
     positive: NDArray[np.bool_],
-    prices: tuple[float, float],
+    prices: NDArray[np.float64],
     *,
     fit_intercept: bool,
     tol: float,
@@ -86,8 +86,8 @@ def train_sparse_machine(
     features : (n, k) float64
     positive : (n,) bool
         Labels; both values occur.
-    prices : (float, float)
-        Price of slack for negative and for positive examples.
+    prices : (n,) float64
+        Price of slack of each example.
     fit_intercept : bool
         Whether to add an intercept, which is penalised like a weight.
     tol : float
@@ -107,7 +107,7 @@ def train_sparse_machine(
     columns[: features.shape[1]] = features[grouped].T
     columns[features.shape[1] :] = 1.0
     columns *= sign
-    example_prices = np.where(sign > 0.0, prices[1], prices[0])
+    example_prices = prices[grouped]
     # Summed one after the other, as in LIBLINEAR.
     curvatures = np.cumsum(example_prices * columns * columns, axis=1)[:, -1].copy()
     n_weights, n_examples = columns.shape

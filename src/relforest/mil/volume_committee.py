@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, ClassVar, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import BagClassifier, bags_like_those_of_fit
+from relforest.mil.bag_classifier import (
+    WeightedBagClassifier,
+    bags_like_those_of_fit,
+    two_classes_only,
+)
 from relforest.mil.committee_training import (
     PanelMember,
     Training,
     find_split_volumes,
-    split_bags,
     train_panels,
 )
 from relforest.mil.feature_view import FeatureView, principal_view, scaled_view
 from relforest.mil.instance_influence import excess, lead
+from relforest.mil.left_out import split_bags
 from relforest.mil.panel_weights import panel_weights, score_spread
 from relforest.mil.placed_volume import (
     Balls,
@@ -44,17 +48,19 @@ _COMPONENTS, _BALLS, _SPLITS, _VOLUMES = range(4)
 
 @final
 @dataclass(kw_only=True, eq=False, repr=False)
-class VolumeCommitteeClassifier(BagClassifier):
+class VolumeCommitteeClassifier(WeightedBagClassifier):
     """Multiple-instance classifier that weighs the evidence of many ellipsoidal volumes.
 
     A bag's nearness to a volume is ``2 ** -(D / r) ** 2``, with D the Mahalanobis distance of its witness and
     r the radius: 1 at the centre, one half on the boundary. The score of a bag is an intercept plus the
-    weighted nearness to every volume. Volumes come from four panels: ellipsoids aggregated in random subsets
-    of the features ("parts") or in the principal components ("components"), and balls around training
-    instances, which measure the nearness of the nearest instance ("near balls") or the mean nearness of all
-    instances ("ball shares"). Half of the ellipsoids are aggregated from negative bags. Cross-validation over
-    the training bags determines the weight of each panel: volumes and weights are learned from some bags, and
-    the panels compared on the others.
+    weighted nearness to every volume. Volumes come from five panels: ellipsoids aggregated from samples of
+    the bags, in random subsets of the features ("parts") or in the principal components ("components"); a few
+    ellipsoids aggregated from all bags ("whole"), in all features or, if there are more than `n_components`,
+    in the principal components; and balls around training instances, which measure the nearness of the
+    nearest instance ("near balls") or the mean nearness of all instances ("ball shares"). Half of the
+    ellipsoids of the first two panels enclose negative bags. Cross-validation over the training bags
+    determines the weight of each panel: volumes and weights are learned from some bags, and the panels
+    compared on the others.
 
     Parameters
     ----------
@@ -62,15 +68,18 @@ class VolumeCommitteeClassifier(BagClassifier):
         Number of cross-validation splits, at most the number of bags in the smaller class. With 1, no bags
         are left out and all panels have equal weight.
     n_volumes : int, default 30
-        Number of volumes of the "parts" panel in each split; "components" has half as many.
+        Number of volumes of the "parts" panel in each split; "components" has half as many, "whole" a
+        seventh.
     part_size : int, default 8
         Number of features used by a volume of the "parts" panel.
     n_components : int, default 20
         Largest number of principal components.
     n_balls : int, default 1000
         Largest number of balls.
-    panels : sequence of str, default all four
+    panels : sequence of str, default all five
         The panels to use.
+    probability : bool, default False
+        Without effect: scores are log odds, so there are always probabilities.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed of all sampling; an integer makes `fit` reproducible.
     n_jobs : int, default 1
@@ -94,8 +103,12 @@ class VolumeCommitteeClassifier(BagClassifier):
     Notes
     -----
     Both classes have equal weight in every fit, so the threshold of 0 suits balanced classes, whatever their
-    frequencies in training. Features are scaled to unit variance, so their units do not matter; constant
-    features are ignored. If a class has a single bag, no bags are left out.
+    frequencies in training. So do the probabilities: scores are log odds, fitted to the bags left out by the
+    splits. Features are scaled to unit variance, so their units do not matter; constant features are ignored.
+    If a class has a single bag, no bags are left out.
+
+    With `sample_weight`, bags of more weight are sampled more often for the panels "parts" and "components",
+    and count more in the weights of volumes, balls and panels.
 
     References
     ----------
@@ -116,6 +129,8 @@ class VolumeCommitteeClassifier(BagClassifier):
     array([1, 1, 0])
     """
 
+    _scores_are_log_odds: ClassVar[bool] = True
+
     n_splits: int = 5
     n_volumes: int = 30
     part_size: int = 8
@@ -126,7 +141,7 @@ class VolumeCommitteeClassifier(BagClassifier):
     n_jobs: int = 1
     verbose: bool = False
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
         panels, sizes = self._checked_panels(), self._checked_sizes()
         checked_jobs(self.n_jobs)
         seed = seed_sequence(self.random_state)
@@ -144,6 +159,7 @@ class VolumeCommitteeClassifier(BagClassifier):
             points=bags.points,
             starts=bags.starts,
             positive=positive,
+            weights=weights,
             ball_bags=np.searchsorted(bags.starts, rows, side="right") - 1,
             ball_features=ball_features,
             n_volumes=sizes["n_volumes"],
@@ -159,7 +175,7 @@ class VolumeCommitteeClassifier(BagClassifier):
         for number, split in enumerate(splits):
             report("weighing volumes: splits", number, len(splits))
             members.append(train_panels(training, panels, found[number], *split))
-        self._combine(panels, members, [test for _, test in splits], positive, balls)
+        self._combine(panels, members, [test for _, test in splits], training, balls)
 
     def _checked_panels(self) -> tuple[str, ...]:
         names = [self.panels] if isinstance(self.panels, str) else list(self.panels)
@@ -182,7 +198,9 @@ class VolumeCommitteeClassifier(BagClassifier):
         """Return the view of each volume panel, and the points in that view."""
         coordinates = view.coordinates(points)
         shown = {name: (view, coordinates) for name in panels if name in VOLUME_PANELS}
-        rotated = [name for name in shown if VOLUME_PANELS[name].space == "components"]
+        is_wide = view.dim > self.n_components
+        spaces = ("components", "whole") if is_wide else ("components",)
+        rotated = [name for name in shown if VOLUME_PANELS[name].space in spaces]
         if rotated:
             rng = generator(stream(seed, _COMPONENTS))
             turned = principal_view(view, coordinates, self.n_components, rng)
@@ -194,15 +212,15 @@ class VolumeCommitteeClassifier(BagClassifier):
         panels: tuple[str, ...],
         members: list[list[PanelMember]],
         tested: list[NDArray[np.int64]],
-        positive: NDArray[np.bool_],
+        training: Training,
         balls: Balls,
     ) -> None:
-        scores = np.empty((len(positive), len(panels)))
+        scores = np.empty((len(training.positive), len(panels)))
         for split, bags in zip(members, tested, strict=True):
             scores[bags] = np.column_stack([member.scores for member in split])
         spread = score_spread(scores)
         if len(members) > 1:
-            weights, intercept = panel_weights(scores, positive)
+            weights, intercept = panel_weights(scores, training.positive, training.weights)
         else:
             weights, intercept = 1.0 / (len(panels) * spread), 0.0
         near = {name: np.zeros(len(balls.centres)) for name in BALL_RULES}
@@ -239,8 +257,10 @@ class VolumeCommitteeClassifier(BagClassifier):
         """Contribution of each instance to the score of its bag; one array per bag, in the bag's order.
 
         This is the score minus the score without the instance; for the only instance of a bag, the score
-        minus the intercept. It raises the errors of `decision_function`.
+        minus the intercept. It raises the errors of `decision_function`, and an `InputError` if there are
+        more than two classes.
         """
+        two_classes_only(self)
         data = bags_like_those_of_fit(self, bags)
         with one_blas_thread():
             return np.split(self._influences(data), data.starts[1:-1])

@@ -58,6 +58,11 @@ class Bags:
         """Return the number of bags."""
         return len(self.starts) - 1
 
+    def taken(self, bags: IntArray) -> Bags:
+        """Return some of the bags, by their numbers, in the order in which they are named."""
+        rows, starts = rows_of(self.starts, bags)
+        return Bags(self.points[rows], starts, self.bag_ids[bags], self.columns)
+
     @property
     def counts(self) -> IntArray:
         """Number of points in each bag, (n_bags,)."""
@@ -72,6 +77,14 @@ class Bags:
     def has_names(self) -> bool:
         """Whether columns have names; only strings count as names, as in scikit-learn."""
         return are_names(self.columns)
+
+
+def rows_of(starts: IntArray, chosen: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the rows of the points of chosen bags, and where each bag starts among these rows."""
+    counts = np.diff(starts)[chosen]
+    new_starts = np.concatenate([[0], np.cumsum(counts)])
+    rows = np.arange(new_starts[-1]) + np.repeat(starts[chosen] - new_starts[:-1], counts)
+    return rows, new_starts
 
 
 def as_bags(bags: Any) -> Bags:  # noqa: ANN401  # in many forms

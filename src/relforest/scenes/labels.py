@@ -1,4 +1,4 @@
-"""Binary labels as classifiers accept them."""
+"""Labels as classifiers accept them."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 _NUMBERS = (Real, np.bool_)
 
 
-def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Check labels and separate the positive ones from the negative ones.
+def class_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Check the labels of two or more classes.
 
     Parameters
     ----------
     y : (n_expected,) array-like
-        0 and 1, -1 and +1, booleans, or two strings.
+        Numbers, booleans or strings.
     n_expected : int
         How many labels there should be.
     what : str
@@ -33,34 +33,16 @@ def binary_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[
 
     Returns
     -------
-    classes : (2,) array
-        The labels in sorted order; ``classes[1]`` is the positive class.
-    positive : (n_expected,) bool
-        True where the label is ``classes[1]``.
+    classes : (n_classes,) array
+        The labels in sorted order.
+    codes : (n_expected,) int64
+        Which of them each label is.
 
     Raises
     ------
     InputError
-        If the number of labels is wrong, a label is missing, masked, NaN or infinite, or there are not
-        exactly two classes. Messages use scikit-learn's wording where possible.
-    """
-    classes, codes = _coded_labels(y, n_expected, what=what)
-    if len(classes) > 2:
-        listed = ", ".join(map(str, classes[:5]))
-        raise InputError(
-            "Only binary classification is supported. The type of the target is multiclass: "
-            f"{len(classes)} classes ({listed}...); label each of the {what} positive or negative"
-        )
-    return classes, codes == 1
-
-
-def class_labels(y: ArrayLike, n_expected: int, *, what: str) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Check the labels of two or more classes; return the classes, sorted, and which one each label is.
-
-    Raises
-    ------
-    InputError
-        As for `binary_labels`, except that more classes are allowed, but not more than one for two labels.
+        If the number of labels is wrong, a label is missing, masked, NaN or infinite, there is only one class
+        or more than one for two labels. Messages use scikit-learn's wording where possible.
     """
     classes, codes = _coded_labels(y, n_expected, what=what)
     if len(classes) > 2 and 2 * len(classes) > n_expected:

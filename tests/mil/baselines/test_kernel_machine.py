@@ -53,7 +53,7 @@ def test_a_machine_adds_up_its_support_vectors(monkeypatch: pytest.MonkeyPatch) 
 def test_a_trained_machine_is_that_of_scikit_learn(offset: float) -> None:
     points, labels = clouds()
     problem = KernelProblem(points + offset, 0.7, **SETTINGS)
-    machine = problem.solve(labels)
+    machine = problem.solve(labels, np.ones(len(labels)))
     expected = SVC(C=10.0, gamma=0.7, tol=1e-6).fit(points, labels).decision_function(points)
 
     assert machine.converged
@@ -68,13 +68,31 @@ def test_the_last_points_can_be_replaced() -> None:
     others, _ = clouds(seed=1, n=20)
     problem = KernelProblem(points, 0.7, **SETTINGS)
     problem.replace_last(others)
-    expected = KernelProblem(np.concatenate([points[:-20], others]), 0.7, **SETTINGS).solve(labels)
+    expected = KernelProblem(np.concatenate([points[:-20], others]), 0.7, **SETTINGS).solve(
+        labels, np.ones(len(labels))
+    )
 
-    np.testing.assert_allclose(problem.solve(labels).scores(points), expected.scores(points), atol=1e-4)
+    np.testing.assert_allclose(
+        problem.solve(labels, np.ones(len(labels))).scores(points), expected.scores(points), atol=1e-4
+    )
 
 
 @pytest.mark.usefixtures("storage")
 def test_too_few_steps_are_said_not_warned_of() -> None:
     points, labels = clouds()
 
-    assert not KernelProblem(points, 0.7, **SETTINGS | {"max_iter": 2}).solve(labels).converged
+    assert (
+        not KernelProblem(points, 0.7, **SETTINGS | {"max_iter": 2})
+        .solve(labels, np.ones(len(labels)))
+        .converged
+    )
+
+
+@pytest.mark.usefixtures("storage")
+def test_weights_are_factors_of_the_price_of_slack() -> None:
+    points, labels = clouds()
+    weights = np.resize([1.0, 2.0, 3.0], len(labels))
+    machine = KernelProblem(points, 0.7, **SETTINGS).solve(labels, weights)
+    peer = SVC(C=10.0, gamma=0.7, tol=1e-6).fit(points, labels, sample_weight=weights)
+
+    np.testing.assert_allclose(machine.scores(points), peer.decision_function(points), atol=1e-4)

@@ -188,7 +188,7 @@ def test_an_instance_far_out_in_each_class_is_survived(peer: str) -> None:
         ([[[0.0]], [[-1e31]]], [0, 1], "values beyond 1e+30: use other units"),
         (np.zeros((1, 1)), [1], "labels of 2 classes are needed, but 1 bags have only 1 class: 1"),
         (np.zeros((2, 1)), [1, 1], "labels of 2 classes are needed, but 2 bags have only 1 class: 1"),
-        (np.zeros((3, 1)), [0, 1, 2], "Only binary classification is supported"),
+        (np.zeros((3, 1)), [0, 1, 2], "3 bags have 3 classes"),
     ],
 )
 def test_bad_bags_and_labels_are_refused(peer: str, bags: Any, y: Any, message: str) -> None:

@@ -37,7 +37,7 @@ each_machine = pytest.mark.parametrize("name", MACHINES)
         ([[[0.0]], [[1e31]]], [0, 1], "values beyond 1e.30"),
         ([[[0.0]]], [1], "labels of 2 classes are needed, but 1 bags have only 1 class"),
         (np.zeros((2, 1)), [1, 1], "labels of 2 classes are needed"),
-        (np.zeros((3, 1)), [0, 1, 2], "Only binary classification is supported"),
+        (np.zeros((3, 1)), [0, 1, 2], "3 bags have 3 classes"),
     ],
 )
 def test_bad_bags_are_refused(name: str, bags: Any, y: Any, message: str) -> None:

@@ -22,7 +22,10 @@ from relforest.datasets import (
     covariant1,
     covariant2,
     disjunctive,
+    false_frequency,
     fetch,
+    poisoned_presence,
+    poisoned_threshold,
 )
 from relforest.datasets.catalogue import file_name
 from relforest.datasets.download import DATA_VARIABLE, URL_VARIABLE
@@ -49,11 +52,14 @@ class Synthetic:
         Its number in the names of random streams; never given to another one.
     draw : callable
         Draws the given number of bags.
+    draw_test : callable, optional
+        Draws test bags, if their distribution is another one than that of training bags.
     """
 
     title: str
     key: int
     draw: Callable[[np.random.Generator, int], BagSet]
+    draw_test: Callable[[np.random.Generator, int], BagSet] | None = None
 
 
 @final
@@ -98,7 +104,26 @@ class Split:
     test: BagSet
 
 
+def _tested(draw: Callable[..., BagSet], title: str, key: int, *, is_changed: bool) -> Synthetic:
+    def drawn(rng: np.random.Generator, n_bags: int, part: str) -> BagSet:
+        return draw(rng, part=part, n_bags=n_bags)
+
+    return Synthetic(
+        title, key, partial(drawn, part="train"), partial(drawn, part="test") if is_changed else None
+    )
+
+
 PRINTED: Final = "covariant1-printed"
+
+ASSUMPTIONS: Final[Mapping[str, Synthetic]] = {
+    "presence": _tested(poisoned_presence, "Presence", 14, is_changed=False),
+    "presence-poisoned": _tested(poisoned_presence, "Presence, poisoned", 15, is_changed=True),
+    "threshold": _tested(poisoned_threshold, "Threshold", 16, is_changed=False),
+    "threshold-poisoned": _tested(poisoned_threshold, "Threshold, poisoned", 17, is_changed=True),
+    "frequency": _tested(false_frequency, "Frequency", 18, is_changed=False),
+    "frequency-false": _tested(false_frequency, "Frequency, false", 19, is_changed=True),
+}
+"""Tests of Raff and Holt (2023), each with test bags like those of training, and with others."""
 
 DATA_SETS: Final[Mapping[str, DataSet]] = {
     "color": Synthetic("Color", 0, lambda rng, n: color(rng, n_bags=n)),
@@ -117,11 +142,12 @@ DATA_SETS: Final[Mapping[str, DataSet]] = {
     "elephant": Standard("Elephant", 10, partial(fetch, "elephant")),
     "fox": Standard("Fox", 11, partial(fetch, "fox")),
     "tiger": Standard("Tiger", 12, partial(fetch, "tiger")),
+    **ASSUMPTIONS,
 }
-"""Name on the command line -> data set, in the order of the source's tables."""
+"""Name on the command line -> data set, in the order of the source's tables; then tests of assumptions."""
 
-COMPARED: Final = tuple(name for name in DATA_SETS if name != PRINTED)
-"""Data sets that all methods are tried on."""
+COMPARED: Final = tuple(name for name in DATA_SETS if name not in (PRINTED, *ASSUMPTIONS))
+"""Data sets of the source that all methods are tried on."""
 
 DESIGNED_WITH: Final = ("color", "covariant1", "covariant2", "disjunctive", "musk1")
 HELD_OUT: Final = tuple(name for name in COMPARED if name not in DESIGNED_WITH)
@@ -226,7 +252,7 @@ def _remedy() -> str:
 
 def _drawn(data_set: Synthetic, n_bags: int, seed: np.random.SeedSequence) -> Split:
     rng = generator(seed)
-    return Split(data_set.draw(rng, n_bags), data_set.draw(rng, n_bags))
+    return Split(data_set.draw(rng, n_bags), (data_set.draw_test or data_set.draw)(rng, n_bags))
 
 
 def _taken(all_bags: BagSet, which: NDArray[np.bool_]) -> BagSet:

@@ -7,7 +7,15 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Final, final
 
-from relforest.experiments.mil.data import COMPARED, DATA_SETS, N_FOLDS, PRINTED, Standard, Synthetic
+from relforest.experiments.mil.data import (
+    ASSUMPTIONS,
+    COMPARED,
+    DATA_SETS,
+    N_FOLDS,
+    PRINTED,
+    Standard,
+    Synthetic,
+)
 from relforest.experiments.mil.methods import (
     BAG_MARGIN,
     COVAGG,
@@ -62,6 +70,8 @@ STOPPED: Final = "stopped"
 """States of a fold; one that took too long was stopped."""
 
 N_DRAWS: Final = 100
+N_TESTS: Final = 3
+"""Draws of the tests of assumptions."""
 ALPHA: Final = 0.05
 N_COMPARISONS: Final = len(METHODS) - 1
 """Methods that covariant aggregation is compared with on the same data."""
@@ -133,7 +143,12 @@ def _folds(
     return tuple(settings)
 
 
-SETTINGS: Final = (*_folds(COMPARED, METHODS), *_folds((PRINTED,), (COVAGG,)))
+_CONSTANT: Final = tuple(name for name, method in METHODS.items() if not method.is_tuned)
+SETTINGS: Final = (
+    *_folds(COMPARED, METHODS),
+    *_folds((PRINTED,), (COVAGG,)),
+    *_folds(ASSUMPTIONS, _CONSTANT, draws=N_TESTS),
+)
 SMOKE: Final = _folds(
     ("covariant1", "musk1"),
     (COVAGG, f"{BAG_MARGIN}-tuned"),

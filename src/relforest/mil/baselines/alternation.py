@@ -28,13 +28,15 @@ class AlternatingClassifier(KernelClassifier, ABC):
 
     max_iter: int = 50
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
         max_rounds = at_least("max_iter", self.max_iter, 1)
-        train_and_choose, choice = self._rounds(bags, positive)
+        train_and_choose, choice = self._rounds(bags, positive, weights)
         self.machine_, self.n_iter_, self.converged_ = alternate(train_and_choose, choice, max_rounds)
 
     @abstractmethod
-    def _rounds(self, bags: Bags, positive: NDArray[np.bool_]) -> tuple[Round, NDArray[Any]]:
+    def _rounds(
+        self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]
+    ) -> tuple[Round, NDArray[Any]]:
         """Return what to do in a round, and the first choice."""
 
 

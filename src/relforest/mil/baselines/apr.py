@@ -47,6 +47,8 @@ class APRClassifier(InstanceClassifier):
     epsilon : float, default 0.01
         Share of the estimated density of positive instances that may be outside the box, along each feature;
         at least 1e-12 and below 1. Smaller values make the box larger.
+    probability : bool, default False
+        As in `CovAggClassifier`.
 
     Attributes
     ----------
@@ -82,7 +84,8 @@ class APRClassifier(InstanceClassifier):
     tau: float = 0.999
     epsilon: float = 0.01
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
+        del weights
         margin = in_range("margin", self.margin, 0.0, math.inf, open_high=True)
         tau = in_range("tau", self.tau, _LEAST_TAU, 1.0, open_high=True)
         epsilon = in_range("epsilon", self.epsilon, _LEAST_EPSILON, 1.0, open_high=True)

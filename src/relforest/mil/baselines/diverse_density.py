@@ -39,6 +39,8 @@ class DiverseDensityClassifier(DensityClassifier):
         Number of starts, the best after 10 steps, from which the ascent is completed; None for all.
     max_steps : int, default 500
         Largest number of steps in an ascent.
+    probability : bool, default False
+        Without effect: scores are log odds, so there are always probabilities.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -69,7 +71,8 @@ class DiverseDensityClassifier(DensityClassifier):
 
     refined: int | None = 10
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
+        del weights
         max_steps = at_least("max_steps", self.max_steps, 1)
         if self.refined is not None:
             at_least("refined", self.refined, 1)

@@ -42,6 +42,8 @@ class EMDDClassifier(DensityClassifier):
         Largest number of steps in an ascent.
     random_state : int, Generator, RandomState, SeedSequence or None, default None
         Seed for drawing bags; an integer makes `fit` reproducible.
+    probability : bool, default False
+        Without effect: scores are log odds, so there are always probabilities.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -75,7 +77,8 @@ class EMDDClassifier(DensityClassifier):
     start_bags: int | None = 3
     random_state: RandomState = None
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
+        del weights
         max_steps = at_least("max_steps", self.max_steps, 1)
         rng = generator(seed_sequence(self.random_state))
         chosen = np.flatnonzero(positive)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, ClassVar, final
 
 import numpy as np
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 @dataclass(kw_only=True, eq=False, repr=False)
 class DensityClassifier(InstanceClassifier, ABC):
     """A classifier by the hypothesis with the greatest density; `DiverseDensityClassifier` describes it."""
+
+    _scores_are_log_odds: ClassVar[bool] = True
 
     scale: bool = True
     max_steps: int = 500

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import InstanceClassifier
+from relforest.mil.bag_classifier import InstanceClassifier, WeightedBagClassifier
 from relforest.mil.baselines.kernel_machine import KernelMachine, KernelProblem
 from relforest.mil.baselines.kernel_width import kernel_gamma
 from relforest.scenes.bags import Bags
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
-class KernelClassifier(InstanceClassifier, ABC):
+class KernelClassifier(WeightedBagClassifier, InstanceClassifier, ABC):
     """A classifier of instances by a `KernelMachine`; `SingleInstanceSVMClassifier` describes the options."""
 
     C: float = 1e4
@@ -76,6 +76,8 @@ class SingleInstanceSVMClassifier(KernelClassifier):
         Tolerance of LIBSVM.
     max_solver_iter : int, default 10_000_000
         Largest number of LIBSVM's steps.
+    probability : bool, default False
+        As in `CovAggClassifier`.
     verbose : bool, default False
         Whether `fit` prints to standard error what it is doing, at most one line a second.
 
@@ -93,8 +95,8 @@ class SingleInstanceSVMClassifier(KernelClassifier):
     Ray and Craven (2005), Supervised versus multiple instance learning: an empirical comparison.
     """
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
         problem = self._problem(bags, bags.points, shares=len(bags.points))
         report("training a machine")
-        self.machine_ = problem.solve(positive.repeat(bags.counts))
+        self.machine_ = problem.solve(positive.repeat(bags.counts), weights.repeat(bags.counts))
         self.converged_ = self.machine_.converged

@@ -112,14 +112,15 @@ class KernelProblem:
             self._kernel[:, first:] = columns
             self._kernel[first:] = columns.T
 
-    def solve(self, positive: NDArray[np.bool_]) -> KernelMachine:
-        """Train a machine; both values must occur in `positive` (n,)."""
+    def solve(self, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> KernelMachine:
+        """Train a machine; both values occur in `positive` (n,), and `weights` (n,) are factors of C."""
         stored = self._kernel is not None
         # `sklearn.svm.SVC` would change warning filters and NumPy's global random state for all threads.
         _libsvm.set_verbosity_wrap(0)
         rows, _, _, coefficients, threshold, *_, status, _ = _libsvm.fit(
             self._kernel if stored else self._centred,
             positive.astype(np.float64),
+            sample_weight=weights,
             svm_type=_C_SVC,
             kernel="precomputed" if stored else "rbf",
             gamma=self._gamma,

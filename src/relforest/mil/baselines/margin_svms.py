@@ -28,7 +28,7 @@ class BagMarginSVMClassifier(AlternatingClassifier):
         Whether C is divided by the number of bags.
     max_iter : int, default 50
         Largest number of rounds.
-    C, gamma, gamma_factor, tol, max_solver_iter, verbose
+    C, gamma, gamma_factor, tol, max_solver_iter, probability, verbose
         As in `SingleInstanceSVMClassifier`.
 
     Attributes
@@ -57,7 +57,9 @@ class BagMarginSVMClassifier(AlternatingClassifier):
     Palmer (2015), section 3.3.
     """
 
-    def _rounds(self, bags: Bags, positive: NDArray[np.bool_]) -> tuple[Round, NDArray[Any]]:
+    def _rounds(
+        self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]
+    ) -> tuple[Round, NDArray[Any]]:
         is_candidate = positive.repeat(bags.counts)
         candidates = bags.points[is_candidate]
         counts = bags.counts[positive]
@@ -66,11 +68,12 @@ class BagMarginSVMClassifier(AlternatingClassifier):
         negatives = bags.points[~is_candidate]
         problem = self._problem(bags, np.concatenate([negatives, means]), shares=len(bags))
         labels = np.arange(len(negatives) + len(means)) >= len(negatives)
+        shares = np.concatenate([weights.repeat(bags.counts)[~is_candidate], weights[positive]])
 
         def train_and_choose(witnesses: NDArray[np.int64]) -> tuple[KernelMachine, NDArray[np.int64]]:
             if len(witnesses):
                 problem.replace_last(candidates[witnesses])
-            machine = problem.solve(labels)
+            machine = problem.solve(labels, shares)
             return machine, _first_of_best(machine.scores(candidates), starts, counts)
 
         return train_and_choose, np.empty(0, dtype=np.int64)
@@ -94,12 +97,15 @@ class InstanceMarginSVMClassifier(AlternatingClassifier):
     Palmer (2015), section 3.3.
     """
 
-    def _rounds(self, bags: Bags, positive: NDArray[np.bool_]) -> tuple[Round, NDArray[Any]]:
+    def _rounds(
+        self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]
+    ) -> tuple[Round, NDArray[Any]]:
         problem = self._problem(bags, bags.points, shares=len(bags.points))
         may_be_positive = positive.repeat(bags.counts)
+        shares = weights.repeat(bags.counts)
 
         def train_and_choose(labels: NDArray[np.bool_]) -> tuple[KernelMachine, NDArray[np.bool_]]:
-            machine = problem.solve(labels)
+            machine = problem.solve(labels, shares)
             scores = problem.scores(machine)
             best = np.maximum.reduceat(scores, bags.starts[:-1]).repeat(bags.counts)
             return machine, may_be_positive & ((scores >= 0.0) | (scores == best))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import BagClassifier
+from relforest.mil.bag_classifier import WeightedBagClassifier
 from relforest.mil.baselines.kernel_width import kernel_gamma
 from relforest.mil.sparse_machine import train_sparse_machine
 from relforest.mil.squared_distances import squared_distances
@@ -26,7 +26,7 @@ _BLOCK: Final = 4_000_000
 
 @final
 @dataclass(kw_only=True, eq=False, repr=False)
-class MILESClassifier(BagClassifier):
+class MILESClassifier(WeightedBagClassifier):
     """Multiple-instance learning via embedded instance selection.
 
     Feature k of a bag is ``max_j exp(-gamma |x_j - x^k|^2)`` over its instances x_j, where x^k is the k-th
@@ -35,7 +35,7 @@ class MILESClassifier(BagClassifier):
 
     Parameters
     ----------
-    C, gamma, gamma_factor, verbose
+    C, gamma, gamma_factor, probability, verbose
         As in `SingleInstanceSVMClassifier`; C is not divided.
     fit_intercept : bool, default False
         Whether to add an intercept. LIBLINEAR does not by default; Chen et al. do.
@@ -85,7 +85,7 @@ class MILESClassifier(BagClassifier):
     random_state: RandomState = None
     verbose: bool = False
 
-    def _fit(self, bags: Bags, positive: NDArray[np.bool_]) -> None:
+    def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
         max_iter = at_least("max_iter", self.max_iter, 1)
         price = in_range("C", self.C, 0.0, math.inf, open_low=True, open_high=True)
         tol = in_range("tol", self.tol, 0.0, math.inf, open_low=True, open_high=True)
@@ -96,7 +96,7 @@ class MILESClassifier(BagClassifier):
         machine = train_sparse_machine(
             embed(bags, instances, gamma),
             positive,
-            (price, price),
+            price * weights,
             fit_intercept=bool(self.fit_intercept),
             tol=tol,
             max_passes=max_iter,
