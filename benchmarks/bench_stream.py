@@ -18,6 +18,7 @@ from table import Cell, Table
 from relforest.forests import SMRFForestClassifier
 from relforest.models import Model, as_model, write_model
 from relforest.scenes import Scenes
+from relforest.scenes.batch import scenes_of
 from relforest.scenes.frames import FrameLayout
 from relforest.worlds.keepaway import keepaway_pass_scenes
 
@@ -67,7 +68,7 @@ def write_passes(folder: Path, scenes: Scenes, n_scenes: int) -> None:
     for number in range(FILES):
         numbers = np.arange(number * n_scenes // FILES, (number + 1) * n_scenes // FILES)
         parts = scenes.take(numbers % PASSES).parts._replace(scene_ids=numbers)
-        Scenes(*parts).to_parquet(folder / f"part-{number}.parquet")
+        scenes_of(parts).to_parquet(folder / f"part-{number}.parquet")
 
 
 def spent(arguments: list[str]) -> tuple[float, float, float]:

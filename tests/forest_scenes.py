@@ -9,8 +9,8 @@ import numpy as np
 
 from relforest.forests import Condition
 from relforest.forests.statements import Bound, Is, Near, Statement
-from relforest.mappings import Mapping
-from relforest.scenes import Attribute, Scenes, Schema
+from relforest.mappings import Mapping, Related
+from relforest.scenes import Attribute, Relation, Scenes, Schema
 
 TEAM = Attribute("team", kind="category", categories=["home", "guest", "referee"])
 ATTRIBUTES = (
@@ -19,6 +19,7 @@ ATTRIBUTES = (
     Attribute("heading", kind="angle", operations=["identity", "difference"]),
     TEAM,
 )
+RELATIONS = (Relation("touches"), Relation("passes to", directed=True))
 
 
 def random_scenes(
@@ -44,17 +45,40 @@ def random_scenes(
     return Scenes(schema, matrix, np.arange(n), starts, counts, arguments)
 
 
-def random_condition(rng: np.random.Generator, n_parameters: int) -> Condition:
+def related(rng: np.random.Generator, scenes: Scenes, share: float = 0.4) -> Scenes:
+    """The same scenes with a share of all possible pairs in each of `RELATIONS`."""
+    pairs: dict[str | Relation, object] = {}
+    for relation in RELATIONS:
+        pairs[relation] = [
+            (scenes.scene_ids[scene], scenes.object_ids[one], scenes.object_ids[other])
+            for scene in range(len(scenes))
+            for one, other in permutations(scenes.objects(scene).tolist(), 2)
+            if (relation.directed or one < other) and rng.random() < share
+        ]
+    return scenes.with_relations(pairs)
+
+
+def random_condition(
+    rng: np.random.Generator, n_parameters: int, relations: tuple[Relation, ...] = ()
+) -> Condition:
     """A condition of any form."""
     n_free = int(rng.integers(0 if n_parameters else 1, 3))
-    statements = tuple(random_statement(rng, n_parameters + n_free) for _ in range(int(rng.integers(1, 4))))
+    n_bound = n_parameters + n_free
+    statements = tuple(random_statement(rng, n_bound, relations) for _ in range(int(rng.integers(1, 4))))
     if n_free == 2 and rng.random() < 0.3:
         return Condition(n_free, statements, every=True)
     return Condition(n_free, statements, int(rng.integers(1, 4)) if n_free else 1)
 
 
-def random_statement(rng: np.random.Generator, n_bound: int) -> Statement:
-    """A statement about some of the bound objects."""
+def random_statement(
+    rng: np.random.Generator, n_bound: int, relations: tuple[Relation, ...] = ()
+) -> Statement:
+    """A statement about some of the bound objects, as often about a relation, if there are any, as not."""
+    if relations and n_bound > 1 and rng.random() < 0.5:
+        relation = relations[int(rng.integers(len(relations)))]
+        arity = int(rng.integers(1, 3))
+        chosen = tuple(rng.permutation(n_bound)[:arity].tolist())
+        return Statement(Related(relation, arity), chosen, Is(int(rng.integers(2)), bool(rng.integers(2))))
     mappings = [Mapping(operation, each) for each in ATTRIBUTES for operation in each.operations]
     possible = [mapping for mapping in mappings if mapping.arity <= n_bound]
     mapping = possible[int(rng.integers(len(possible)))]
@@ -77,6 +101,12 @@ def _random_test(rng: np.random.Generator, mapping: Mapping) -> Bound | Near | I
 def is_true(statement: Statement, scenes: Scenes, rows: tuple[int, ...]) -> bool:
     """Whether a statement is true of object rows, by its definition."""
     mapping, test = statement.mapping, statement.test
+    if isinstance(mapping, Related):
+        assert isinstance(test, Is)
+        own = [rows[variable] for variable in statement.variables]
+        # The objects of different scenes are different ones here.
+        is_related = any(own == pair[: mapping.arity] for pair in scenes.relations[mapping.name].tolist())
+        return min(own) >= 0 and (is_related == test.category) != test.negated
     chosen = np.array([[rows[variable] for variable in statement.variables]])
     point = mapping.evaluate(scenes.schema, scenes.matrix, chosen)[0]
     if np.isnan(point).any():

@@ -38,6 +38,7 @@ from relforest.experiments.vectors import vector_learner, vector_value
 from relforest.forests import Condition, Ensemble, SceneTree, Split, Value
 from relforest.forests.statements import Bound, Is, Near, Statement
 from relforest.mappings import Mapping as MappingFunction
+from relforest.mappings import Related
 from relforest.models import Model, read_model, write_model
 from relforest.reports import QuestionPoints, save_figure, tree_figure
 from relforest.reports.run_report import metrics_table, run_report
@@ -53,7 +54,7 @@ from relforest.rl.value import ValueFunction
 from relforest.runs.learner import METRIC_NAMES, Learner, Run, advance
 from relforest.runs.manifest import held
 from relforest.runs.store import RunStore, metrics_of, read_checkpoint
-from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches, read_table
+from relforest.scenes import Attribute, Relation, Scenes, Schema, iter_scene_batches, read_table
 from relforest.scenes.frames import FrameLayout
 from relforest.smdp import Decision
 from relforest.support.rng import seed_sequence
@@ -74,6 +75,9 @@ ATTRIBUTES: Final[Mapping[str | Attribute, Sequence[str]]] = {
     Attribute("orientation"): ("theta",),
 }
 SCENES: Final = scenes_of([[0, 0], [1, 0.1], [0.5, 0]], [[0, 0], [4, 4]], [[1, 1], [2.5, 1]])
+RELATED: Final = SCENES.with_relations(
+    {"touches": [("scene 0", "a0", "b0"), ("scene 0", "b0", "c0"), ("scene 2", "a2", "b2")]}
+)
 DATA: Final = Path(__file__).parent / "data"
 FORESTS: Final = ((near(SCHEMA), near(SCHEMA, mean=0.9)), (beside(), near(PICK_SCHEMA)))
 NAMES: Final = (("0001-wait-1.json", "0002-wait-1.json"), ("0001-pick-1.json", "0002-pick-1.json"))
@@ -178,6 +182,7 @@ def _model(folder: Path) -> None:
 TEAMS: Final = Schema(
     (*DRAWN_SCHEMA.attributes[:2], Attribute("team", kind="category", categories=["home", "guest"])),
     ("passer",),
+    (Relation("touches"),),
 )
 
 
@@ -188,14 +193,14 @@ def _ensemble(folder: Path) -> None:
         Statement(MappingFunction("difference", location), (0, 1), Near(0, (1.0, 0.5), (2.0, 0.25))),
         Statement(MappingFunction("identity", theta), (1,), Near(0, (3.0,), (0.5,))),
         Statement(MappingFunction("same", team), (0, 1), Is(1, negated=True)),
+        Statement(Related(TEAMS.relations[0]), (1, 0), Is(1)),
     )
     trees = tuple(
         SceneTree((Split(Condition(1, asked, 2), 1, 2, 0.5), Value((0.3,), 4), Value((-0.1,), 7)))
         for asked in (statements[:2], statements[2:])
     )
-    columns = FrameLayout(
-        "pass", "player", ((location, ("x", "y")), (theta, ("theta",)), (team, ("team",))), ("p",)
-    )
+    attributes = ((location, ("x", "y")), (theta, ("theta",)), (team, ("team",)))
+    columns = FrameLayout("pass", "player", attributes, ("p",), ((TEAMS.relations[0], "near"),))
     learned = Ensemble(TEAMS, np.zeros(1), trees, np.array([0.5, 0.25]))
     write_model(folder / "boosting.json", Model(learned, "boosting", "completed", ("no", "yes"), columns))
 
@@ -383,7 +388,7 @@ FORMATS: Final[Mapping[str, Format]] = {
         lambda folder: _frame(folder / "table.csv"),
     ),
     "parquet, ours": Format(
-        lambda folder: SCENES.to_parquet(folder / "scenes.parquet"),
+        lambda folder: RELATED.to_parquet(folder / "scenes.parquet"),
         {"scenes.parquet": damaged},
         lambda folder: _own_scenes(folder / "scenes.parquet"),
     ),
@@ -391,7 +396,7 @@ FORMATS: Final[Mapping[str, Format]] = {
         _foreign_parquet, {"table.parquet": damaged}, lambda folder: _frame(folder / "table.parquet")
     ),
     "parquet, streamed": Format(
-        lambda folder: SCENES.take([0, 1, 0, 2]).to_parquet(folder / "scenes.parquet"),
+        lambda folder: RELATED.take([0, 1, 0, 2]).to_parquet(folder / "scenes.parquet"),
         {"scenes.parquet": damaged},
         lambda folder: _stream(folder / "scenes.parquet"),
     ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import permutations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
-from relforest.scenes import Attribute, Scenes, Schema
+from relforest.scenes import Attribute, Relation, Scenes, Schema
+from relforest.scenes.batch import scenes_of
+from relforest.scenes.relations import with_pairs
 
 NAMES = ("location", "orientation", "color", "extent", "weight", "x_0", "speed mps")
 
@@ -28,12 +31,16 @@ def coordinates(low: float = -100.0, high: float = 100.0) -> st.SearchStrategy[f
 
 
 @st.composite
-def schemas(draw: st.DrawFn, *, max_attributes: int = 3, max_parameters: int = 2) -> Schema:
+def schemas(
+    draw: st.DrawFn, *, max_attributes: int = 3, max_parameters: int = 2, max_relations: int = 0
+) -> Schema:
     """Schemas with the default operations; "orientation" is an angle."""
     names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=max_attributes, unique=True))
     dims = [1 if name == "orientation" else draw(st.integers(1, 3)) for name in names]
     parameters = draw(st.integers(0, max_parameters))
-    return Schema(map(Attribute, names, dims), ["passer", "receiver", "third"][:parameters])
+    directed = draw(st.lists(st.booleans(), max_size=max_relations))
+    relations = map(Relation, ["touches", "is bonded to"], directed)
+    return Schema(map(Attribute, names, dims), ["passer", "receiver", "third"][:parameters], relations)
 
 
 @st.composite
@@ -56,10 +63,11 @@ def scenes_batches(
     max_objects: int = 4,
     undefined: bool = True,
     shared: bool = True,
+    max_relations: int = 0,
 ) -> Scenes:
     """Scenes of 0 to ``max_objects`` objects; with ``shared``, several scenes may contain the same rows."""
     if schema is None:
-        schema = draw(schemas())
+        schema = draw(schemas(max_relations=max_relations))
     sizes = st.integers(0, max_objects)
     counts = np.array(draw(st.lists(sizes, min_size=1, max_size=max_scenes)), dtype=np.int64)
     n_scenes, n_refs = len(counts), int(counts.sum())
@@ -77,7 +85,24 @@ def scenes_batches(
             arguments[scene, parameter] = draw(st.sampled_from([-1, *members]))
     matrix = draw(matrices(schema, n_rows, undefined=undefined))
     scene_ids, object_ids = draw(_ids("s", n_scenes)), draw(_ids("o", n_rows))
-    return Scenes(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+    scenes = Scenes(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+    return scenes_of(with_pairs(scenes.parts, draw(_pairs(scenes)))) if schema.relations else scenes
+
+
+@st.composite
+def _pairs(draw: st.DrawFn, scenes: Scenes) -> list[NDArray[np.int64]]:
+    """Some pairs for each relation: scene and two object rows."""
+    found = []
+    for relation in scenes.schema.relations:
+        choices = [
+            (scene, one, other)
+            for scene in range(len(scenes))
+            for one, other in permutations(scenes.objects(scene).tolist(), 2)
+            if relation.directed or one < other
+        ]
+        chosen = draw(st.lists(st.sampled_from(choices), unique=True, max_size=5)) if choices else []
+        found.append(np.array(chosen, dtype=np.int64).reshape(-1, 3))
+    return found
 
 
 def _ids(prefix: str, count: int) -> st.SearchStrategy[NDArray[Any]]:
@@ -108,6 +133,8 @@ def assert_same_scenes(found: Scenes, expected: Scenes, *, same_rows: bool = Tru
         rows, wanted = found.objects(position), expected.objects(position)
         assert found.object_ids[rows].tolist() == expected.object_ids[wanted].tolist()
         np.testing.assert_array_equal(found.matrix[rows], expected.matrix[wanted])
+        for name in expected.relations:
+            assert _related(found, name, position) == _related(expected, name, position)
     is_none = expected.arguments < 0
     np.testing.assert_array_equal(found.arguments < 0, is_none)
     assert (
@@ -117,3 +144,10 @@ def assert_same_scenes(found: Scenes, expected: Scenes, *, same_rows: bool = Tru
     if same_rows:
         for part, wanted_part in zip(found.compact().parts[1:], expected.compact().parts[1:], strict=True):
             np.testing.assert_array_equal(part, wanted_part)
+
+
+def _related(scenes: Scenes, name: str, position: int) -> set[tuple[object, object]]:
+    """Return the identifiers of the related objects of one scene."""
+    here = set(scenes.objects(position).tolist())
+    pairs = [pair for pair in scenes.relations[name].tolist() if here.issuperset(pair)]
+    return {(scenes.object_ids[one], scenes.object_ids[other]) for one, other in pairs}

@@ -28,7 +28,7 @@ from .forests import (
 from .mil import CovAggClassifier
 from .models import load, save
 from .rl import SMRFRPI
-from .scenes import Attribute, Scenes, Schema, iter_scene_batches
+from .scenes import Attribute, Relation, Scenes, Schema, iter_scene_batches
 from .support.progress import Stage, listening
 from .trees import SMRFTreeClassifier, SMRFTreeRegressor, Tree
 from .worlds import ENVIRONMENT_IDS
@@ -41,6 +41,7 @@ __all__ = [
     "Attribute",
     "CovAggClassifier",
     "OutcomeForestClassifier",
+    "Relation",
     "SMRFBoostingClassifier",
     "SMRFBoostingRegressor",
     "SMRFForestClassifier",

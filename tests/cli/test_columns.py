@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from relforest.cli.columns import parse_attributes, parse_names
-from relforest.scenes import Attribute
+from relforest.cli.columns import parse_attributes, parse_names, parse_relations
+from relforest.scenes import Attribute, Relation
 from relforest.support.errors import InputError
 
 
@@ -35,6 +35,20 @@ def test_impossible_kinds_are_refused() -> None:
 def test_an_attribute_is_given_once() -> None:
     with pytest.raises(InputError, match="attribute 'extent' is given twice: give each attribute once"):
         parse_attributes(["extent=x", "extent=x"])
+
+
+def test_relations_are_read_from_their_short_form() -> None:
+    assert parse_relations(["touches=contacts", "passes to = to :directed"]) == {
+        Relation("touches"): "contacts",
+        Relation("passes to", directed=True): "to",
+    }
+    for text in ("touches", "=x", "touches=", "touches=:directed", ""):
+        with pytest.raises(
+            InputError, match="is not understood: write NAME=COLUMN, such as touches=contacts"
+        ):
+            parse_relations([text])
+    with pytest.raises(InputError, match="relation 'touches' is given twice"):
+        parse_relations(["touches=x", "touches=y:directed"])
 
 
 def test_names_are_separated_by_commas() -> None:

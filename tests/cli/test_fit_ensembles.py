@@ -134,3 +134,31 @@ def test_an_ensemble_has_no_drawing(run: CommandLine, table: Path, tmp_path: Pat
 
     assert outcome.code == 1
     assert "drawings and paths are those of a single tree" in outcome.err
+
+
+def test_a_relation_is_a_column_that_prediction_needs_too(run: CommandLine, tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    partner = rng.integers(1, 3, N_SCENES)
+    x = rng.uniform(0.0, 1.0, (N_SCENES, 3))
+    x[:, 0] = 0.5
+    near = [["", "", ""] for _ in partner]
+    for own, other in zip(near, partner.tolist(), strict=True):
+        own[0], own[other] = f"p{other}", "p0"
+    table = passes(
+        x=x.ravel().tolist(),
+        near=[each for own in near for each in own],
+        completed=np.repeat(x[np.arange(N_SCENES), partner] > 0.5, 3).tolist(),
+    )
+    path, out = write(table, tmp_path / "passes.csv"), tmp_path / "model.json"
+    fit = ("fit", path, *COLUMNS, "--arguments", "passer", "--label", "completed", "--out", out)
+    told = run(*fit, "--relation", "touches=near", "--model", "boosting", "--trees", "3")
+
+    assert told.code == 0
+    assert "some object that touches the passer has extent at least 0.5" in told.out
+    assert "Peirce skill score on the training scenes: 1.000" in told.out
+    assert run("predict", out, path).out.count("\n") == N_SCENES + 1
+    assert "touches the passer" in run("explain", out, "--scene", "100", "of", path).out
+    missing = write(table.drop_columns(["near"]), tmp_path / "other.csv")
+    assert "column 'near' is missing from" in run("predict", out, missing).err
+    refused = run(*fit, "--relation", "touches=near", "--force")
+    assert (refused.code, "SMRF trees do not ask about relations" in refused.err) == (1, True)

@@ -8,13 +8,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from forest_scenes import holds, random_condition, random_scenes
+from forest_scenes import RELATIONS, holds, random_condition, random_scenes, related
 from interpreted import compiled_only
 from relforest.forests import Condition, Ensemble, GrowthSettings, SceneTree, Split, Value
 from relforest.forests.features import features
 from relforest.forests.statements import Bound, Statement
 from relforest.mappings import Mapping
-from relforest.scenes import Scenes
+from relforest.scenes import Relation, Scenes
 from relforest.support.errors import InputError
 from small_trees import plane, scenes_in
 
@@ -27,12 +27,14 @@ def ensemble_of(scenes: Scenes, *trees: SceneTree) -> Ensemble:
     return Ensemble(scenes.schema, np.zeros(1), trees, np.ones(len(trees)))
 
 
+@pytest.mark.parametrize("relations", [(), RELATIONS])
 @pytest.mark.parametrize("seed", range(6))
-def test_conditions_hold_as_defined(seed: int) -> None:
+def test_conditions_hold_as_defined(seed: int, relations: tuple[Relation, ...]) -> None:
     rng = np.random.default_rng(seed)
     n_parameters = seed % 3
     scenes = random_scenes(rng, 12, n_parameters)
-    conditions = [random_condition(rng, n_parameters) for _ in range(40)]
+    scenes = related(rng, scenes) if relations else scenes
+    conditions = [random_condition(rng, n_parameters, relations) for _ in range(40)]
     ensemble = ensemble_of(scenes, *map(tree_of, conditions))
 
     found = ensemble.leaves(scenes) == 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import permutations
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def ensemble_of(schema: Schema, *trees: SceneTree | Tree) -> Ensemble:
 
 def excess(statement: Statement, scenes: Scenes, rows: tuple[int, ...]) -> float:
     """How far a statement about object rows is from being true, by its definition."""
-    mapping, test = statement.mapping, statement.test
+    mapping, test = cast("Mapping", statement.mapping), statement.test
     chosen = np.array([[rows[variable] for variable in statement.variables]])
     point = mapping.evaluate(scenes.schema, scenes.matrix, chosen)[0]
     if np.isnan(point).any():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from forest_scenes import TEAM, random_scenes
+from forest_scenes import TEAM, random_scenes, related
 from relforest.forests import Ensemble, GrowthSettings
 from relforest.forests.bindings import bindings
 from relforest.forests.columns import columns
@@ -62,16 +62,20 @@ def test_the_best_limit_is_that_of_brute_force(seed: int) -> None:
     assert np.array_equal(values <= limit, values <= best)
 
 
+@pytest.mark.parametrize("has_relations", [False, True])
 @pytest.mark.parametrize(
     ("n_parameters", "options"),
     [(0, {}), (1, {"max_count": 3}), (2, {}), (0, {"every": True}), (1, {"every": True, "max_count": 2})],
 )
 def test_a_grown_tree_gains_what_it_says_and_answers_as_in_the_tables(
-    n_parameters: int, options: dict[str, Any]
+    n_parameters: int,
+    options: dict[str, Any],
+    has_relations: bool,  # noqa: FBT001 - a parameter of the test
 ) -> None:
     rng = np.random.default_rng(n_parameters)
     n = 40
     scenes = random_scenes(rng, n, n_parameters, 4)
+    scenes = related(rng, scenes) if has_relations else scenes
     targets = Targets(rng.standard_normal((n, 1)), np.ones((n, 1)))
     settings = GrowthSettings(max_leaves=5, penalty=2.0, **options)
     tables = condition_tables(scenes, 2, most=1000, rng=rng)

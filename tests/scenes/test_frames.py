@@ -179,18 +179,20 @@ def keywords_for(scenes: Scenes) -> dict[str, Any]:
         attribute: [next(names) for _ in range(attribute.dim)] for attribute in scenes.schema.attributes
     }
     arguments = [next(names) for _ in scenes.schema.parameters]
-    return {"scene": scene, "object": object_name, "attributes": attributes, "arguments": arguments}
+    relations = {relation: next(names) for relation in scenes.schema.relations}
+    ids = {"scene": scene, "object": object_name, "arguments": arguments}
+    return ids | {"attributes": attributes, "relations": relations}
 
 
 @pytest.mark.parametrize("library", CONVERTERS)
-@given(scenes=scenes_batches(shared=False))
+@given(scenes=scenes_batches(shared=False, max_relations=2))
 def test_frames_of_every_library_give_the_same_scenes_back(library: str, scenes: Scenes) -> None:
     frame = CONVERTERS[library](to_table(scenes.parts))
 
     assert_same_scenes(Scenes.from_frame(frame, **keywords_for(scenes)), scenes)
 
 
-@given(scenes=scenes_batches(), data=st.data())
+@given(scenes=scenes_batches(max_relations=2), data=st.data())
 def test_shuffled_rows_give_the_same_sets_of_objects(scenes: Scenes, data: st.DataObject) -> None:
     table = to_table(scenes.parts)
     order = data.draw(st.permutations(range(len(table))))

@@ -58,16 +58,23 @@ def pad(scenes: Scenes) -> dict[str, Any]:
         for attribute in scenes.schema.attributes
     }
     arguments = np.full(scenes.arguments.shape, -1)
+    related = {name: np.zeros((len(scenes), n_slots, n_slots), dtype=np.int8) for name in scenes.relations}
     for position, count in enumerate(scenes.counts):
         rows = scenes.objects(position).tolist()
+        for name, pairs in scenes.relations.items():
+            for one, other in pairs.tolist():
+                if one in rows and other in rows:
+                    related[name][position, rows.index(one), rows.index(other)] = 1
+            related[name][position, count:] = 1
         for name, values in scenes.values.items():
             arrays[name][position, :count] = values[rows]
         bound = scenes.arguments[position].tolist()
         arguments[position] = [-1 if row < 0 else rows.index(row) for row in bound]
+    arrays |= related
     return {**arrays, "mask": np.arange(n_slots) < scenes.counts[:, np.newaxis], "arguments": arguments}
 
 
-@given(scenes=scenes_batches())
+@given(scenes=scenes_batches(max_relations=2))
 def test_padded_arrays_give_the_same_scenes_back(scenes: Scenes) -> None:
     found = Scenes.from_padded(pad(scenes), schema=scenes.schema)
 
@@ -79,6 +86,12 @@ def test_padded_arrays_give_the_same_scenes_back(scenes: Scenes) -> None:
         slots = [-1 if row < 0 else wanted.index(row) for row in scenes.arguments[position]]
         bound = found.arguments[position]
         assert np.where(bound < 0, -1, bound - found.starts[position]).tolist() == slots
+        for name, pairs in scenes.relations.items():
+            here = [pair for pair in found.relations[name].tolist() if set(pair) <= set(rows.tolist())]
+            there = [
+                [wanted.index(row) for row in pair] for pair in pairs.tolist() if set(pair) <= set(wanted)
+            ]
+            assert sorted(here) == sorted([[int(rows[place]) for place in pair] for pair in there])
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def two_scenes(**changes: Any) -> Scenes:
 
 
 @same_folder
-@given(scenes=scenes_batches())
+@given(scenes=scenes_batches(max_relations=2))
 def test_a_file_gives_the_same_scenes_back(scenes: Scenes, tmp_path: Path) -> None:
     path = tmp_path / "scenes.parquet"
     scenes.to_parquet(path)
@@ -49,7 +49,7 @@ def test_a_file_gives_the_same_scenes_back(scenes: Scenes, tmp_path: Path) -> No
 
 
 @same_folder
-@given(scenes=scenes_batches(), data=st.data())
+@given(scenes=scenes_batches(max_relations=2), data=st.data())
 def test_repeated_scenes_and_shared_objects_survive(
     scenes: Scenes, data: st.DataObject, tmp_path: Path
 ) -> None:
@@ -183,7 +183,7 @@ def with_column(name: str, values: list[Any]) -> Any:
         (with_metadata(b"[" * 100_000), "unreadable metadata"),
         (with_metadata(b"3"), "is not a relforest-scenes document"),
         (with_document(format="other"), "its format is 'other'"),
-        (with_document(version=2), "written by a newer relforest"),
+        (with_document(version=3), "written by a newer relforest"),
         (with_document(schema=None), "not a schema"),
         (with_document(columns=["scene"]), "its columns are not those of its schema"),
         (with_document(columns=None), "its columns are not those of its schema"),

@@ -75,7 +75,7 @@ def test_written_dictionaries_are_plain_json() -> None:
     assert json.loads(json.dumps(Scenes.from_dicts(RECORDS).to_dicts())) == expected
 
 
-@given(scenes=scenes_batches())
+@given(scenes=scenes_batches(max_relations=2))
 def test_dictionaries_give_the_same_scenes_back(scenes: Scenes) -> None:
     documents = json.loads(json.dumps(scenes.to_dicts()))
 

@@ -125,7 +125,7 @@ def test_sources_are_files_folders_or_patterns(tmp_path: Path) -> None:
 
 
 @same_folder
-@given(scenes=scenes_batches(), batch_size=st.integers(1, 5), data=st.data())
+@given(scenes=scenes_batches(max_relations=2), batch_size=st.integers(1, 5), data=st.data())
 def test_our_own_files_come_back_without_keywords(
     scenes: Scenes, batch_size: int, data: st.DataObject, tmp_path: Path
 ) -> None:

@@ -86,7 +86,7 @@ def test_own_files_need_none_even_with_further_columns(tmp_path: Path) -> None:
     )
 
 
-@given(scenes_batches())
+@given(scenes_batches(max_relations=2))
 def test_own_files_come_back_as_they_were(tmp_path_factory: pytest.TempPathFactory, scenes: Scenes) -> None:
     path = tmp_path_factory.mktemp("own") / "own.parquet"
     scenes.to_parquet(path)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from interpreted import compiled_only
 from relforest.scenes import Attribute, Scenes, Schema
+from relforest.scenes.batch import scenes_of
 from relforest.smdp import ActionType, Decision
 from relforest.support.errors import InputError
 from relforest.testing import check_world
@@ -183,7 +184,7 @@ NO_ACTIONS = {"types": zeros(0), "arguments": zeros(0, 0), "indices": zeros(0)}
 
 
 def other_scene(scene: Scenes, **changes: Any) -> Scenes:
-    return Scenes(**(scene.parts._asdict() | changes))
+    return scenes_of(scene.parts._replace(**changes))
 
 
 LOCATION = spaces.Box(0.0, 1.0, (1, 1), np.float64)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from interpreted import compiled_only
 from relforest.scenes import Attribute, Scenes, Schema
+from relforest.scenes.batch import scenes_of
 from relforest.support.errors import InputError
 from relforest.support.progress import Stage, listening
 from relforest.trees import Growth, Leaf, Question, TreeSettings, grow, query
@@ -275,7 +276,7 @@ def test_scenes_that_no_question_may_look_at() -> None:
 
 
 def replace_schema(scenes: Scenes, schema: Schema) -> Scenes:
-    return Scenes(*scenes.parts._replace(schema=schema))
+    return scenes_of(scenes.parts._replace(schema=schema))
 
 
 def test_expansions_left_out_or_sampled_are_counted() -> None:

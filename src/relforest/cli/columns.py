@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from relforest.scenes import Attribute
-from relforest.scenes.schema import KINDS, ROLES
+from relforest.scenes import Attribute, Relation
+from relforest.scenes.schema import KINDS, ROLES, as_relation
 from relforest.support.errors import InputError
 
 
@@ -27,6 +27,29 @@ def parse_attributes(texts: Sequence[str]) -> dict[str | Attribute, Sequence[str
         names.add(attribute.name)
         attributes[attribute] = columns
     return attributes
+
+
+def parse_relations(texts: Sequence[str]) -> dict[str | Relation, str]:
+    """Read relations and their columns, written as ``touches=contacts`` or ``passes to=to:directed``.
+
+    Raises
+    ------
+    InputError
+        If a text has another form, or a relation is given twice.
+    """
+    relations: dict[str | Relation, str] = {}
+    for text in texts:
+        name, equals, rest = (part.strip() for part in text.partition("="))
+        column = rest.removesuffix(":directed").strip()
+        if not name or not equals or not column:
+            raise InputError(
+                f"--relation {text!r} is not understood: write NAME=COLUMN, such as touches=contacts, with "
+                ":directed at the end if it matters which object is named first"
+            )
+        if any(name == each.name for each in map(as_relation, relations)):
+            raise InputError(f"relation {name!r} is given twice: give each relation once, with its column")
+        relations[Relation(name, directed=column != rest)] = column
+    return relations
 
 
 def parse_names(text: str) -> tuple[str, ...]:

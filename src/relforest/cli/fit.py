@@ -83,6 +83,10 @@ class FitOptions:
     arguments
         Columns with the id of the object bound to each argument of the action, the same in all rows of a
         scene.
+    relation
+        A relation between objects, named by a verb, and its column, which contains for each object the ids of
+        those that it is related to, in text separated by ";": "touches=contacts". Append ":directed" if it
+        matters which object is named first. Models of boosting, forests and rules ask about relations.
     separator
         Field separator of a CSV file: one character or "tab". Detected by default.
     decimal
@@ -126,6 +130,7 @@ class FitOptions:
     object: Annotated[str | None, arg(metavar="COLUMN", help_behavior_hint="")] = None
     attribute: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN[,COLUMN...]")] = ()
     arguments: Annotated[str, arg(metavar="COLUMN[,COLUMN...]", help_behavior_hint="")] = ""
+    relation: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN")] = ()
     separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
     encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
@@ -225,10 +230,11 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
 
 
 def _columns(options: FitOptions) -> SceneColumns:
-    from relforest.cli.columns import parse_attributes, parse_names
+    from relforest.cli.columns import parse_attributes, parse_names, parse_relations
 
     attributes, arguments = parse_attributes(options.attribute), parse_names(options.arguments)
-    if options.scene is None and options.object is None and not attributes and not arguments:
+    relations = parse_relations(options.relation)
+    if options.scene is None and options.object is None and not (attributes or arguments or relations):
         return {}
     if options.scene is None or not attributes:
         missing = "--scene COLUMN" if options.scene is None else "--attribute NAME=COLUMN,..."
@@ -238,6 +244,7 @@ def _columns(options: FitOptions) -> SceneColumns:
         "object": options.object,
         "attributes": attributes,
         "arguments": arguments,
+        "relations": relations,
     }
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from relforest.models import Model
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.scenes.arrays import FloatArray, SceneArrays
+from relforest.scenes.batch import scenes_of
 from relforest.scenes.ids import plain
 from relforest.support.errors import InputError
 from relforest.support.progress import report
@@ -99,6 +100,8 @@ def single(scene: Scenes) -> Scenes:
 def moved(scene: Scenes, rows: NDArray[np.int64], places: FloatArray) -> Scenes:
     """Return copies of a scene, in each of which another object, or the same one, is elsewhere.
 
+    Given relations stay as they are, since nothing tells how they depend on places.
+
     Parameters
     ----------
     scene : Scenes
@@ -113,8 +116,10 @@ def moved(scene: Scenes, rows: NDArray[np.int64], places: FloatArray) -> Scenes:
     matrix = np.tile(scene.matrix, (n, 1))
     matrix[np.arange(n) * m + rows, schema.columns(location_of(schema).name)] = places
     offsets = np.arange(n) * m
-    return Scenes(
-        *SceneArrays(
+    pairs = np.tile(scene.pairs, (n, 1))
+    pairs[:, 1:] += np.repeat(offsets, len(scene.pairs))[:, None]
+    return scenes_of(
+        SceneArrays(
             schema,
             matrix,
             (scene.objects(0) + offsets[:, None]).ravel(),
@@ -123,6 +128,7 @@ def moved(scene: Scenes, rows: NDArray[np.int64], places: FloatArray) -> Scenes:
             np.where(parts.arguments < 0, parts.arguments, parts.arguments + offsets[:, None]),
             np.arange(n),
             np.tile(parts.object_ids, n),
+            pairs[np.argsort(pairs[:, 0], kind="stable")],
         )
     )
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, permutations
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from relforest.mappings import Mapping
+from relforest.mappings import Mapping, Related
 from relforest.scenes.schema import PLANAR_OPERATIONS
 
 if TYPE_CHECKING:
@@ -18,9 +18,9 @@ _MORE_OPERATIONS: Final = ("scaled_distance", "bearing")
 
 
 class Column(NamedTuple):
-    """One component of a mapping of some of the variables."""
+    """One component of a mapping of some of the variables, or a relation of two of them."""
 
-    mapping: Mapping
+    mapping: Mapping | Related
     variables: tuple[int, ...]
     component: int
 
@@ -31,16 +31,23 @@ def columns(schema: Schema, n_free: int) -> tuple[Column, ...]:
     Mappings are those of the attributes' operations; where these include a reframe, also the scaled
     distance and the bearing. Of three objects, the last one is seen from the frame of the two others, and is
     free if any is. With two free variables, only what holds for both together counts more than once: an
-    order of the two that gives the same points up to an isometry is left out.
+    order of the two that gives the same points up to an isometry is left out. Relations come last.
     """
     n_bound = schema.n_parameters + n_free
-    return tuple(
+    related = tuple(
+        Column(Related(relation, arity), variables, 0)
+        for relation in schema.relations
+        for arity in (1, 2)
+        for variables in (permutations if relation.directed else combinations)(range(n_bound), arity)
+    )
+    of_attributes = tuple(
         Column(mapping, variables, component)
         for attribute in schema.attributes
         for mapping in _mappings(attribute)
         for variables in _choices(mapping, schema.n_parameters, n_bound)
         for component in range(mapping.dim)
     )
+    return of_attributes + related
 
 
 def _mappings(attribute: Attribute) -> Iterator[Mapping]:

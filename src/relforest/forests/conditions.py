@@ -65,7 +65,6 @@ class Condition:
         ModelFormatError
             If it is not such a document.
         """
-        attributes = {attribute.name: attribute for attribute in schema.attributes}
         with well_formed("malformed condition"):
             n_free = between("free", document["free"], 0, MOST_FREE)
             at_least = between("at_least", document["at_least"], 1, _MOST_COUNTED if n_free else 1)
@@ -73,7 +72,7 @@ class Condition:
             if not isinstance(given, list) or not 1 <= len(given) <= MOST_STATEMENTS:
                 raise ModelFormatError(f"a condition has 1 to {MOST_STATEMENTS} statements")
             n_bound = schema.n_parameters + n_free
-            statements = tuple(statement_from_dict(each, attributes, n_bound) for each in given)
+            statements = tuple(statement_from_dict(each, schema, n_bound) for each in given)
             every = document.get("every", False)
             if every is not False and (every is not True or (n_free, at_least) != (2, 1)):
                 raise ModelFormatError("every is for conditions on two free variables that are not counted")

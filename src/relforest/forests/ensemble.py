@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, final
 import numpy as np
 
 from relforest.forests.batches import in_batches
-from relforest.forests.evaluation import condition_holds, leaves
+from relforest.forests.evaluation import Facts, condition_holds, leaves
 from relforest.forests.packing import CONDITION, NO, YES, Packed, pack
 from relforest.forests.scene_tree import SceneTree
 from relforest.scenes import Schema
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from relforest.scenes import Scenes
 
 FORMAT: Final = "relforest-ensemble"
-VERSION: Final = 1
+VERSION: Final = 2
+"""The newest version; models without relations are still written as version 1, which older releases read."""
 _MOST_OUTPUTS: Final = 1000
 
 
@@ -115,9 +116,10 @@ class Ensemble:
                 out[:, number] = query(cast("Tree", tree), scenes, n_jobs=n_jobs).leaf
             return out
         columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
+        facts = Facts(scenes.matrix, scenes.pairs, scenes.rows)
 
         def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
-            leaves(self.packed, scenes.matrix, columns, begin, end, out, stop)
+            leaves(self.packed, facts, columns, begin, end, out, stop)
 
         in_batches(evaluate, len(scenes), n_jobs)
         return out
@@ -147,7 +149,7 @@ class Ensemble:
         while packed.nodes[node, CONDITION] >= 0:
             number = packed.nodes[node, CONDITION]
             bound = np.empty(self.schema.n_parameters + 2, dtype=np.int64)
-            place = (scene.matrix, scene.objects(0), scene.arguments[0], bound, point)
+            place = (Facts(scene.matrix, scene.pairs, scene.objects(0)), scene.arguments[0], bound, point)
             is_true = condition_holds(packed, number, *place, stop)
             condition = self.conditions[number]
             met.append((condition, is_true, bound[: self.schema.n_parameters + condition.n_free]))
@@ -158,7 +160,7 @@ class Ensemble:
         """Return the JSON form, with format name and version."""
         return {
             "format": FORMAT,
-            "version": VERSION,
+            "version": VERSION if self.schema.relations else 1,
             "schema": self.schema.to_dict(),
             "start": self.start.tolist(),
             "weights": self.weights.tolist(),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal, cast
 import numpy as np
 
 from relforest.forests.batches import in_batches
+from relforest.forests.evaluation import Facts
 from relforest.forests.measures import measures, work_space
 from relforest.forests.question_measures import question_measures
 from relforest.forests.questions import leaf_in_words, question_in_words, questions
@@ -132,10 +133,11 @@ def _measures(ensemble: Ensemble, scenes: Scenes, n_jobs: int) -> tuple[FloatArr
         return np.hstack(margins), np.hstack(counts)
     out = np.empty((2, len(scenes), len(ensemble.conditions)))
     columns = (scenes.rows, scenes.starts, scenes.counts, scenes.arguments)
+    facts = Facts(scenes.matrix, scenes.pairs, scenes.rows)
 
     def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
         work = work_space(ensemble.packed, scenes.schema.n_parameters, scenes.schema.width)
-        measures(ensemble.packed, scenes.matrix, columns, begin, end, work, out, stop)
+        measures(ensemble.packed, facts, columns, begin, end, work, out, stop)
 
     in_batches(evaluate, len(scenes), n_jobs)
     return out[0], out[1]

@@ -136,6 +136,8 @@ def _best_question(
         categories = [-1]
         if each.n_free and table.firsts[1]:
             categories.append(int(rng.integers(table.firsts[1])))
+        if each.related:
+            categories.append(each.related[int(rng.integers(len(each.related)))])
         for category in categories:
             statements = np.zeros((plan.max_statements, N_NUMBERS))
             gain, n, at_least = best_condition(table, scenes, targets, tried, rng, statements, work, category)

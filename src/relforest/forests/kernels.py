@@ -267,8 +267,8 @@ def best_condition(
 
     Statements are added greedily while the gain grows; after each, the limits of the earlier ones are chosen
     again. The gain is twice the decrease of the loss by one Newton step on either side. With the number of a
-    `category`, -1 for none, only objects of this category are looked for: that there is one rarely tells
-    anything, so that a greedy search would not begin with it.
+    `category`, -1 for none, only objects of this category, or related like this, are looked for: that there
+    is one rarely tells anything, so that a greedy search would not begin with it.
     """
     at_least = 1
     if plan.max_count > 1 and rng.random() < 0.4:

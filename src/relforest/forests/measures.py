@@ -7,21 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from relforest.forests.evaluation import following
+from relforest.forests.evaluation import Facts, following, look
 from relforest.forests.forms import FIRST, FORM, IS, LIMIT, NEAR, SECOND, WEIGHT, value
-from relforest.forests.packing import (
-    BEGIN,
-    CIRCULAR,
-    COUNT,
-    DIM,
-    END,
-    N_FREE,
-    OFFSET,
-    OPERATION,
-    VARIABLES,
-    Packed,
-)
-from relforest.mappings.kernels import map_point
+from relforest.forests.packing import BEGIN, COUNT, END, N_FREE, Packed
 from relforest.support.jit import inlined, kernel
 
 if TYPE_CHECKING:
@@ -102,19 +90,11 @@ def _keep(smallest: NDArray[np.float64], row: int, n: int, x: float) -> None:
 
 
 @kernel
-def _look(
-    packed: Packed, n_free: int, matrix: NDArray[np.float64], work: Work, counts: NDArray[np.float64]
-) -> None:
+def _look(packed: Packed, n_free: int, facts: Facts, work: Work, counts: NDArray[np.float64]) -> None:
     """Take the bound objects into account for all conditions with so many free variables."""
     for place in range(len(packed.points)):
         if work.is_used[n_free, place]:
-            row = packed.points[place]
-            a, b, c = row[VARIABLES], row[VARIABLES + 1], row[VARIABLES + 2]
-            objects = (work.bound[a], work.bound[b] if b >= 0 else -1, work.bound[c] if c >= 0 else -1)
-            span = (row[OFFSET], row[DIM])
-            work.is_defined[place] = map_point(
-                row[OPERATION], row[CIRCULAR] == 1, span, matrix, objects, work.points, place
-            )
+            work.is_defined[place] = look(packed.points[place], facts, work.bound, work.points, place)
     for condition in range(len(packed.conditions)):
         if packed.conditions[condition, N_FREE] == n_free:
             margin = _margin(packed, condition, work)
@@ -143,7 +123,7 @@ def _end_first(packed: Packed, work: Work, counts: NDArray[np.float64]) -> None:
 @kernel
 def measures(
     packed: Packed,
-    matrix: NDArray[np.float64],
+    facts: Facts,
     scenes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
     begin: int,
     end: int,
@@ -161,13 +141,14 @@ def measures(
     n_arguments = arguments.shape[1]
     for i in range(begin, end):
         objects = rows[starts[i] : starts[i] + sizes[i]]
+        here = Facts(facts.matrix, facts.pairs, objects)
         counts[i] = 0.0
         work.smallest[:] = np.inf
         work.farthest[:] = -np.inf
         work.bound[:n_arguments] = arguments[i]
         work.bound[n_arguments:] = -1
         if work.is_used[0].any():
-            _look(packed, 0, matrix, work, counts[i])
+            _look(packed, 0, here, work, counts[i])
         has_pairs = work.is_used[2].any()
         first = following(objects, arguments[i], -1, -1)
         if not has_pairs and not work.is_used[1].any():
@@ -176,13 +157,13 @@ def measures(
             work.bound[n_arguments] = objects[first]
             work.bound[n_arguments + 1] = -1
             if work.is_used[1].any():
-                _look(packed, 1, matrix, work, counts[i])
+                _look(packed, 1, here, work, counts[i])
             if has_pairs:
                 _begin_first(packed, work, counts[i])
                 second = following(objects, arguments[i], -1, first)
                 while second < len(objects):
                     work.bound[n_arguments + 1] = objects[second]
-                    _look(packed, 2, matrix, work, counts[i])
+                    _look(packed, 2, here, work, counts[i])
                     second = following(objects, arguments[i], second, first)
                 _end_first(packed, work, counts[i])
             first = following(objects, arguments[i], first, -1)

@@ -9,6 +9,7 @@ import numpy as np
 from relforest.forests.forms import AT_LEAST, AT_MOST, IS, IS_NOT, N_NUMBERS, NEAR, NEAR_ANGLE, SMALL
 from relforest.forests.scene_tree import SceneTree, Value
 from relforest.forests.statements import Bound, Is, Near, Statement, Test
+from relforest.mappings.related import RELATED, Related
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 # Columns of `Packed.statements`.
 OPERATION: Final = 0
 CIRCULAR: Final = 1
-OFFSET: Final = 2
-DIM: Final = 3
+OFFSET: Final = 2  # of a relation, its number
+DIM: Final = 3  # of a relation, of how many objects
 VARIABLES: Final = 4  # three, -1 = unused
 N_COLUMNS: Final = 7
 
@@ -102,6 +103,10 @@ def pack_conditions(schema: Schema, asked: Sequence[Condition]) -> Packed:
 
 def _statement(schema: Schema, statement: Statement) -> tuple[list[int], list[float]]:
     mapping = statement.mapping
+    if isinstance(mapping, Related):
+        number = schema.relations.index(mapping.relation)
+        variables = [*statement.variables, -1, -1][:3]
+        return [RELATED, 0, number, mapping.arity, *variables], _numbers(statement.test, is_circular=False)
     row = [
         mapping.rule.code,
         int(mapping.space == "circle"),

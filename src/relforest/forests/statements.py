@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, final
 
-from relforest.mappings import Mapping
+from relforest.mappings import Mapping, Related
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import between, in_range
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping as Dict
-
-    from relforest.scenes import Attribute
+    from relforest.scenes import Schema
 
 Side = Literal["at most", "at least"]
 
@@ -78,13 +76,13 @@ class Statement:
 
     Parameters
     ----------
-    mapping : Mapping
+    mapping : Mapping or Related
     variables : tuple of int
         The bound objects that it takes: first the action's arguments, then the free variables.
     test : Bound, Near or Is
     """
 
-    mapping: Mapping
+    mapping: Mapping | Related
     variables: tuple[int, ...]
     test: Test
 
@@ -94,18 +92,19 @@ class Statement:
         return 2 * len(self.test.centre) if isinstance(self.test, Near) else 1
 
 
-def is_category(mapping: Mapping) -> bool:
+def is_category(mapping: Mapping | Related) -> bool:
     """Whether the value of a mapping is one of a few."""
-    return mapping.attribute.kind == "category"
+    return mapping.space == "category"
 
 
 def statement_to_dict(statement: Statement) -> dict[str, Any]:
     """Return the JSON form."""
-    document: dict[str, Any] = {
-        "operation": statement.mapping.operation,
-        "attribute": statement.mapping.attribute.name,
-        "variables": list(statement.variables),
-    }
+    mapping = statement.mapping
+    if isinstance(mapping, Related):
+        document: dict[str, Any] = {"relation": mapping.name}
+    else:
+        document = {"operation": mapping.operation, "attribute": mapping.attribute.name}
+    document |= {"variables": list(statement.variables)}
     match statement.test:
         case Bound(component, side, limit, absolute):
             return document | {"component": component, side: limit} | ({"absolute": True} if absolute else {})
@@ -115,14 +114,13 @@ def statement_to_dict(statement: Statement) -> dict[str, Any]:
             return document | {"is not" if negated else "is": category}
 
 
-def statement_from_dict(document: Any, attributes: Dict[str, Attribute], n_bound: int) -> Statement:  # noqa: ANN401
+def statement_from_dict(document: Any, schema: Schema, n_bound: int) -> Statement:  # noqa: ANN401
     """Read what `statement_to_dict` returned.
 
     Parameters
     ----------
     document : object
-    attributes : mapping of str to Attribute
-        The attributes of the schema.
+    schema : Schema
     n_bound : int
         Number of arguments and free variables.
 
@@ -132,20 +130,28 @@ def statement_from_dict(document: Any, attributes: Dict[str, Attribute], n_bound
         If it is not such a document.
     """
     with well_formed("malformed statement"):
-        attribute = attributes[document["attribute"]]
-        mapping = Mapping(document["operation"], attribute)
+        mapping = _mapping(document, schema)
         variables = tuple(between("variable", each, 0, n_bound - 1) for each in document["variables"])
         if len(variables) != mapping.arity:
             raise InputError(f"{mapping.name} takes {mapping.arity} objects, got {len(variables)}")
         return Statement(mapping, variables, _test(document, mapping))
 
 
-def _test(document: dict[str, Any], mapping: Mapping) -> Test:
+def _mapping(document: dict[str, Any], schema: Schema) -> Mapping | Related:
+    if "relation" not in document:
+        return Mapping(document["operation"], schema[document["attribute"]])
+    known = {relation.name: relation for relation in schema.relations}
+    if document["relation"] not in known:
+        raise ModelFormatError(f"unknown relation {document['relation']!r:.50}")
+    return Related(known[document["relation"]], between("objects", len(document["variables"]), 1, 2))
+
+
+def _test(document: dict[str, Any], mapping: Mapping | Related) -> Test:
     for key in ("is", "is not"):
         if key in document:
             if not is_category(mapping):
                 raise ModelFormatError(f"{mapping.name} is a number, but is tested as a category")
-            n_values = 2 if mapping.operation == "same" else len(mapping.attribute.categories)
+            n_values = 2 if mapping.arity == 2 else len(mapping.attribute.categories)
             return Is(between("category", document[key], 0, n_values - 1), key == "is not")
     if is_category(mapping):
         raise ModelFormatError(f"{mapping.name} is a category, but is tested as a number")

@@ -28,6 +28,7 @@ from relforest.forests.forms import (
 )
 from relforest.forests.rows import EVERY, Table, holds
 from relforest.forests.statements import Bound, Is, Near, Statement, Test, is_category
+from relforest.mappings import Related
 from relforest.support.progress import report
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class ConditionTable(NamedTuple):
     columns: tuple[Column, ...]
     table: Table  # the same as arrays, for kernels
     n_sampled: int  # scenes of which only a sample of the choices is kept
+    related: tuple[int, ...] = ()  # those of the first categories that say that a relation holds
 
 
 @final
@@ -101,12 +103,18 @@ def condition_tables(
             continue
         choices, n_sampled = bindings(scenes, n_free, most=most, rng=rng)
         if len(choices.rows):
-            values = column_values(scenes, found, choices.rows)
+            values = column_values(scenes, found, choices)
             free = set(range(scenes.schema.n_parameters, scenes.schema.n_parameters + n_free))
             first = np.array([free <= set(column.variables) for column in found])
             table = _table(found, values, choices.starts, first)
             if table.firsts.any():
-                tables.append(ConditionTable(n_free, found, table, n_sampled))
+                firsts = table.categories[: table.firsts[1]].tolist()
+                related = tuple(
+                    number
+                    for number, (form, column, value) in enumerate(firsts)
+                    if isinstance(found[column].mapping, Related) and (form == IS) == (value == 1)
+                )
+                tables.append(ConditionTable(n_free, found, table, n_sampled, related))
     return tuple(tables)
 
 

@@ -5,25 +5,31 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from relforest.forests.statements import Bound, Is, Near, Statement
+from relforest.forests.statements import Bound, Is, Near, Statement, Test
+from relforest.mappings import Related
 from relforest.support.numerals import ends, number
 
 if TYPE_CHECKING:
     from relforest.forests.conditions import Condition
-    from relforest.scenes import Attribute, Schema
+    from relforest.scenes import Attribute, Relation, Schema
 
 _AXES: Final = ("x", "y", "z")
 _LETTERS: Final = "CD"
+_AUXILIARY: Final = frozenset({"is", "can", "may", "must", "was"})
 # Numbers that are never below zero: an interval that begins there has one end.
 _POSITIVE: Final = frozenset({"distance", "scaled_distance", "bearing"})
 
 
 class _Phrase(NamedTuple):
-    """A statement as subject and predicate; whether it says of what category an object is, "has ..."."""
+    """A statement as subject and predicate.
+
+    It may tell which object is meant, by its category, "has ...", or by what it is related to.
+    """
 
     subject: str
     predicate: str
     is_category: bool = False
+    is_relation: bool = False
 
 
 class _Range(NamedTuple):
@@ -74,16 +80,23 @@ def sentence(condition: Condition, schema: Schema) -> str:
 
 
 def _some_object(phrases: list[_Phrase]) -> str:
-    """Return what is true of some object, beginning with its categories."""
-    categories = [phrase.predicate.removeprefix("has ") for phrase in phrases if phrase.is_category]
-    others = [phrase.predicate for phrase in phrases if not phrase.is_category]
-    if not categories or not others:
-        return f"some object {_joined([phrase.predicate for phrase in phrases])}"
-    return f"some object with {' and '.join(categories)} {_joined(others)}"
+    """Return what is true of some object, beginning with its categories, then its relations."""
+    categories = [phrase.predicate for phrase in phrases if phrase.is_category]
+    related = [phrase.predicate for phrase in phrases if phrase.is_relation]
+    others = [phrase.predicate for phrase in phrases if not phrase.is_category and not phrase.is_relation]
+    told = next(each for each in (others, related, categories) if each)
+    said = "some object"
+    if categories and told is not categories:
+        said += f" with {' and '.join(each.removeprefix('has ') for each in categories)}"
+    if related and told is not related:
+        said += f" that {' and '.join(related)}"
+    return f"{said} {_joined(told)}"
 
 
 def _phrase(statement: Statement, names: list[str]) -> _Phrase:
     mapping, test = statement.mapping, statement.test
+    if isinstance(mapping, Related):
+        return _relation(mapping.relation, test, [names[variable] for variable in statement.variables])
     attribute = mapping.attribute
     *others, subject = (names[variable] for variable in statement.variables)
     # An object without a name of its own is the subject.
@@ -101,6 +114,31 @@ def _phrase(statement: Statement, names: list[str]) -> _Phrase:
     if isinstance(test, Near) and len(test.centre) == 2:
         return _Phrase(subject, _ellipse(statement, test, others))
     return _Phrase(subject, _number(statement, _range(test, mapping.operation), others))
+
+
+def _relation(relation: Relation, test: Test, names: list[str]) -> _Phrase:
+    # Without direction, an object without a name of its own is the subject, or else the last one.
+    subject, *others = names if relation.directed or not names[0] else names[::-1]
+    is_denied = isinstance(test, Is) and (test.category == 1) == test.negated
+    other = (others[0] or "it") if others else "any other object" if is_denied else "another object"
+    verb = _denied(relation.name) if is_denied else relation.name
+    return _Phrase(subject, f"{verb} {other}", is_relation=True)
+
+
+def _denied(verb: str) -> str:
+    """Return the negation of a verb in the third person, with whatever follows it."""
+    first, _, rest = verb.partition(" ")
+    if first in _AUXILIARY:
+        return f"{first} not {rest}".rstrip()
+    if first == "has":
+        base = "have"
+    elif first.endswith("ies"):
+        base = f"{first[:-3]}y"
+    elif first.endswith(("ches", "shes", "sses", "xes", "zes", "oes")):
+        base = first[:-2]
+    else:
+        base = first.removesuffix("s")
+    return f"does not {base} {rest}".rstrip()
 
 
 def _range(test: Bound | Near, operation: str) -> _Range:

@@ -117,7 +117,8 @@ def _header(label: str, classes: Sequence[Label] | None, columns: FrameLayout | 
             "object": columns.object,
             "attributes": {attribute.name: list(names) for attribute, names in columns.attributes},
             "arguments": list(columns.arguments),
-        },
+        }
+        | ({"relations": {each.name: name for each, name in columns.relations}} if columns.relations else {}),
     }
 
 
@@ -166,11 +167,15 @@ def _columns(document: Any, schema: Schema) -> FrameLayout | None:  # noqa: ANN4
         raise ModelFormatError("the columns do not match the attributes of the model")
     if len(document["arguments"]) != schema.n_parameters:
         raise ModelFormatError("the columns of arguments do not match the model")
+    relations = document.get("relations", {})
+    if list(relations) != [relation.name for relation in schema.relations]:
+        raise ModelFormatError("the columns of relations do not match the model")
     return frame_layout(
         _text(document["scene"]),
         None if document["object"] is None else _text(document["object"]),
         {schema[name]: names for name, names in attributes.items()},
         _texts(document["arguments"]),
+        tuple((each, _text(relations[each.name])) for each in schema.relations),
     )
 
 

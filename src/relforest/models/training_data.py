@@ -87,8 +87,9 @@ def read_training_data(
     remedy : str
         What to do if columns are needed and missing, for the message.
     **columns
-        ``scene``, ``object``, ``attributes`` and ``arguments`` as for `relforest.Scenes.from_parquet`; none
-        for files that `Scenes.to_parquet` wrote, with a label column added.
+        ``scene``, ``object``, ``attributes``, ``arguments`` and ``relations`` as for
+        `relforest.Scenes.from_parquet`; none for files that `Scenes.to_parquet` wrote, with a label column
+        added.
 
     Raises
     ------

@@ -4,13 +4,14 @@ from .derived import extent_ratio
 from .frames import scene_values
 from .sampling import sample_scenes
 from .scene_stream import iter_scene_batches
-from .schema import OPERATION_NAMES, Attribute, Schema
+from .schema import OPERATION_NAMES, Attribute, Relation, Schema
 from .tables import read_table
 
 __all__ = [
     "OPERATION_NAMES",
     "Attribute",
     "Bags",
+    "Relation",
     "Scenes",
     "Schema",
     "as_bags",

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from relforest.scenes.angles import wrap
 from relforest.scenes.ids import IdArray, as_ids, plain
 from relforest.scenes.kernels import first_misfit
+from relforest.scenes.pairs import NO_PAIRS
 from relforest.scenes.schema import Schema, misfit
 from relforest.support.errors import InputError
 
@@ -18,7 +19,7 @@ IntArray = NDArray[np.int64]
 
 
 class SceneArrays(NamedTuple):
-    """The eight fields of `Scenes`, in the order of its constructor; shapes are documented there."""
+    """The fields of `Scenes`: those of its constructor, where shapes are documented, and the pairs."""
 
     schema: Schema
     matrix: FloatArray  # (n_rows, schema.width)
@@ -28,6 +29,7 @@ class SceneArrays(NamedTuple):
     arguments: IntArray  # (n_scenes, k)
     scene_ids: IdArray  # (n_scenes,)
     object_ids: IdArray  # (n_rows,)
+    pairs: IntArray = NO_PAIRS  # (n_pairs, 3): relation and two object rows, sorted
 
 
 def check_arrays(parts: SceneArrays) -> SceneArrays:
@@ -76,11 +78,12 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
     scene_ids = as_ids("scene_ids", parts.scene_ids)
     if len(scene_ids) != len(starts):
         raise InputError(f"scene_ids must have one entry per scene, {len(starts)}, got {len(scene_ids)}")
-    return SceneArrays(parts.schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+    checked = SceneArrays(parts.schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+    return checked._replace(pairs=_integers("pairs", parts.pairs, 2))
 
 
 def compact(parts: SceneArrays) -> SceneArrays:
-    """Drop object rows that no scene contains and lay out ``rows`` scene after scene.
+    """Drop object rows, and pairs of them, that no scene contains; lay out ``rows`` scene after scene.
 
     The scenes are the same afterwards; rows that several scenes share stay shared, and rows keep their order.
     """
@@ -99,7 +102,36 @@ def compact(parts: SceneArrays) -> SceneArrays:
         starts=np.cumsum(parts.counts) - parts.counts,
         arguments=arguments,
         object_ids=parts.object_ids[kept],
+        pairs=_renumbered(parts, renumbered),
     )
+
+
+def _renumbered(parts: SceneArrays, numbers: IntArray) -> IntArray:
+    """Return the pairs that a scene contains, with other numbers of their rows, in the same order."""
+    if not len(parts.pairs):
+        return parts.pairs
+    kept = parts.pairs[np.unique(occurrences(parts)[2])]
+    return np.column_stack([kept[:, 0], numbers[kept[:, 1:]]])
+
+
+def occurrences(parts: SceneArrays) -> tuple[IntArray, IntArray, IntArray]:
+    """Return each pair once for every scene that contains both objects.
+
+    These are (n,) the places of the first and the second objects among all objects of all scenes, the first
+    ones ascending, and the numbers of the pairs.
+    """
+    rows = gather(parts.rows, parts.starts, parts.counts)
+    owner = np.repeat(np.arange(len(parts.starts)), parts.counts)
+    by_first = np.argsort(parts.pairs[:, 1], kind="stable")
+    begin, end = (np.searchsorted(parts.pairs[by_first, 1], rows, side) for side in ("left", "right"))
+    place, number = np.repeat(np.arange(len(rows)), end - begin), gather(by_first, begin, end - begin)
+    keys = owner * len(parts.matrix) + rows
+    order = np.argsort(keys)
+    keys = np.append(keys[order], -1)
+    wanted = owner[place] * len(parts.matrix) + parts.pairs[number, 2]
+    other = np.searchsorted(keys[:-1], wanted)
+    found = keys[other] == wanted
+    return place[found], order[other[found]], number[found]
 
 
 def gather(rows: IntArray, starts: IntArray, counts: IntArray) -> IntArray:

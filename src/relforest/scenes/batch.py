@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from types import EllipsisType
-from typing import Any, NoReturn, final
+from types import EllipsisType, MappingProxyType
+from typing import Any, Final, NoReturn, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,11 +20,13 @@ from relforest.scenes.padded import arrays_from_padded
 from relforest.scenes.parquet import check_unchanged, is_own, read_own, sealed, to_table, write_table
 from relforest.scenes.parquet_source import open_parquet
 from relforest.scenes.records import arrays_from_dicts, arrays_to_dicts
-from relforest.scenes.schema import Attribute, Schema
+from relforest.scenes.relations import Relations, relation_columns, relation_tables, with_tables
+from relforest.scenes.schema import Attribute, Relation, Schema
 from relforest.support.errors import InputError
 from relforest.support.notebook import drawn
 
 _Key = int | np.integer | slice | ArrayLike
+_NO_RELATIONS: Final[Mapping[Any, Any]] = MappingProxyType({})
 
 
 @final
@@ -72,6 +74,8 @@ class Scenes:
     arguments: IntArray
     scene_ids: IdArray
     object_ids: IdArray
+    pairs: IntArray
+    """What `relations` shows: number of the relation and two object rows, sorted, (n_pairs, 3)."""
 
     _repr_html_ = drawn
 
@@ -95,28 +99,27 @@ class Scenes:
         parts = SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
         _fill(self, check_arrays(parts))
 
-    def __reduce__(self) -> tuple[type[Scenes], tuple[object, ...]]:
-        """Copy and pickle through the constructor, so that copies are checked and read-only too."""
-        return Scenes, tuple(self.parts)
+    def __reduce__(self) -> tuple[Callable[[SceneArrays], Scenes], tuple[SceneArrays]]:
+        """Copy and pickle through the same checks as the constructor's; copies are read-only too."""
+        return scenes_of, (self.parts,)
 
     @property
     def parts(self) -> SceneArrays:
-        """The eight arrays, in the order of the constructor."""
-        return SceneArrays(
-            self.schema,
-            self.matrix,
-            self.rows,
-            self.starts,
-            self.counts,
-            self.arguments,
-            self.scene_ids,
-            self.object_ids,
-        )
+        """The arrays, in the order of the constructor, and the pairs."""
+        return SceneArrays(*(getattr(self, name) for name in SceneArrays._fields))
 
     @property
     def values(self) -> dict[str, FloatArray]:
         """Attribute name -> (n_rows, dim) view of ``matrix``."""
         return {name: self.matrix[:, self.schema.columns(name)] for name in self.schema.names}
+
+    @property
+    def relations(self) -> dict[str, IntArray]:
+        """Relation name -> (n, 2) object rows, without direction in both orders, which hold in all scenes."""
+        return {
+            relation.name: self.pairs[self.pairs[:, 0] == number, 1:]
+            for number, relation in enumerate(self.schema.relations)
+        }
 
     @property
     def shape(self) -> tuple[int]:
@@ -192,6 +195,7 @@ class Scenes:
         object: str | None = None,  # noqa: A002 - reads well where it is called
         attributes: AttributeColumns,
         arguments: Sequence[str] = (),
+        relations: Relations = _NO_RELATIONS,
     ) -> Scenes:
         """Make scenes from a long table with one row per object.
 
@@ -213,6 +217,9 @@ class Scenes:
         arguments : sequence of str
             Columns with the id of one of the scene's objects, or null for none, constant within a scene.
             They become the parameters of the schema.
+        relations : mapping of str or Relation to str or table
+            A column with the ids of what each object is related to, as lists or as text like ``"a;b"``; or
+            pairs as for `with_relations`.
 
         Raises
         ------
@@ -228,7 +235,9 @@ class Scenes:
         >>> Scenes.from_frame(frame, scene="pass", object="player", attributes={"abscissa": "x"})
         Scenes(2 scenes, 1 to 2 objects each; attributes abscissa (1))
         """
-        return cls(*arrays_from_frame(frame, frame_layout(scene, object, attributes, arguments)))
+        columns = relation_columns(relations)
+        layout = frame_layout(scene, object, attributes, arguments, columns)
+        return scenes_of(with_tables(arrays_from_frame(frame, layout), relation_tables(relations)))
 
     @classmethod
     def from_dicts(cls, records: Iterable[Mapping[str, Any]], schema: Schema | None = None) -> Scenes:
@@ -238,10 +247,12 @@ class Scenes:
         ----------
         records : iterable of mappings
             ``{"id": 7, "objects": [{"id": "a", "location": [0.0, 1.0]}, ...], "arguments": {"passer":
-            "a"}}``. The ids may be omitted everywhere (scenes and objects are then numbered from 0), and so
-            may ``arguments``. An attribute or component that is missing or None is undefined.
+            "a"}, "relations": {"touches": [["a", "b"]]}}``. The ids may be omitted everywhere (scenes and
+            objects are then numbered from 0), and so may ``arguments`` and ``relations``. An attribute or
+            component that is missing or None is undefined.
         schema : Schema, optional
-            Default: attributes and arguments in order of first appearance, dimensions from the values.
+            Default: attributes, arguments and relations in order of first appearance, dimensions from the
+            values.
 
         Raises
         ------
@@ -249,7 +260,7 @@ class Scenes:
             If a record does not have this form or does not fit the schema; the message names scene, object
             and attribute.
         """
-        return cls(*arrays_from_dicts(records, schema))
+        return scenes_of(arrays_from_dicts(records, schema))
 
     @classmethod
     def from_padded(
@@ -266,8 +277,8 @@ class Scenes:
         ----------
         observation : mapping of str to array
             The mask, (n_scenes, n_slots), marks the slots that hold an object; each attribute is an array
-            (n_scenes, n_slots) or (n_scenes, n_slots, dim). All without the first axis for a single
-            scene.
+            (n_scenes, n_slots) or (n_scenes, n_slots, dim), each relation of the schema an array of 0 and 1
+            (n_scenes, n_slots, n_slots). All without the first axis for a single scene.
         schema : Schema, optional
             Default: one attribute for each array, with the defaults of `Attribute`.
         mask : str
@@ -284,7 +295,7 @@ class Scenes:
         -----
         Objects have their slot as id; the content of empty slots is ignored.
         """
-        return cls(*arrays_from_padded(observation, schema=schema, mask=mask, arguments=arguments))
+        return scenes_of(arrays_from_padded(observation, schema=schema, mask=mask, arguments=arguments))
 
     @classmethod
     def from_parquet(
@@ -295,6 +306,7 @@ class Scenes:
         object: str | None = None,  # noqa: A002 - reads well where it is called
         attributes: AttributeColumns | None = None,
         arguments: Sequence[str] = (),
+        relations: Mapping[str | Relation, str] = _NO_RELATIONS,
     ) -> Scenes:
         """Read scenes from a Parquet file.
 
@@ -303,8 +315,8 @@ class Scenes:
         path : path
             A file written by `to_parquet`, which needs no keywords, or any long table; or a folder of Parquet
             files with the same columns. Only the named columns are read.
-        scene, object, attributes, arguments
-            As for `from_frame`.
+        scene, object, attributes, arguments, relations
+            As for `from_frame`; relations are columns.
 
         Raises
         ------
@@ -314,13 +326,13 @@ class Scenes:
             If the file was written by `to_parquet` of a newer version, or was changed or damaged since.
         """
         file = open_parquet(path)
-        layout = named_columns(path, scene, object, attributes, arguments, own=is_own(file))
+        layout = named_columns(path, scene, object, attributes, arguments, relations, own=is_own(file))
         if layout is None:
-            return cls(*read_own(file))
+            return scenes_of(read_own(file))
         table = file.read(layout.columns)
         if is_own(file):
             check_unchanged(file, table)
-        return cls(*arrays_from_frame(table, layout))
+        return scenes_of(arrays_from_frame(table, layout))
 
     def to_parquet(self, path: str | PathLike[str]) -> None:
         """Write the scenes to a Parquet file, whole or not at all.
@@ -360,7 +372,29 @@ class Scenes:
         InputError
             If the name is taken, a source is unknown, or the result has the wrong shape or infinite values.
         """
-        return Scenes(*add_attribute(self.parts, attribute, function, of))
+        return scenes_of(add_attribute(self.parts, attribute, function, of))
+
+    def with_relations(self, relations: Relations) -> Scenes:
+        """Return the scenes with more relations between their objects.
+
+        Parameters
+        ----------
+        relations : mapping of str or Relation to table
+            Pairs as ids (scene, object, object): a sequence of them, or a table with these three columns.
+            Without direction, name each pair once, or all pairs in both orders.
+
+        Raises
+        ------
+        InputError
+            If a name is taken, ids are unknown, an object is related to itself, or a pair is given twice.
+
+        Examples
+        --------
+        >>> scenes = Scenes.from_dicts([{"id": 7, "objects": [{"id": "a", "x": 0.0}, {"id": "b", "x": 2.0}]}])
+        >>> scenes.with_relations({"touches": [(7, "a", "b")]}).relations["touches"].tolist()
+        [[0, 1], [1, 0]]
+        """
+        return scenes_of(with_tables(self.parts, relations))
 
     def with_matrix(self, matrix: FloatArray) -> Scenes:
         """Return the same scenes with other attribute values: the fast path for simulated worlds.
@@ -392,7 +426,7 @@ class Scenes:
             If the schemas differ in more than categories, or an object has a category that the other lacks.
         """
         scenes = self.with_mean_object() if needs_mean(self.schema, schema) else self
-        return scenes if scenes.schema == schema else Scenes(*recoded(scenes.parts, schema))
+        return scenes if scenes.schema == schema else scenes_of(recoded(scenes.parts, schema))
 
     def with_mean_object(self) -> Scenes:
         """Return the scenes with a last argument, ``"mean object"``: the mean of the other objects.
@@ -401,7 +435,7 @@ class Scenes:
         none is defined, and for categories. What depends on a sum over objects, such as to which side a scale
         tips, is then a relation to one object.
         """
-        return Scenes(*with_mean_object(self.parts))
+        return scenes_of(with_mean_object(self.parts))
 
     def __eq__(self, other: object) -> bool:
         """Return whether both batches have the same scenes in the same layout; undefined values are equal."""
@@ -416,7 +450,7 @@ class Scenes:
 
     def compact(self) -> Scenes:
         """Return the same scenes without unused object rows, which `take` keeps."""
-        return Scenes(*compact(self.parts))
+        return scenes_of(compact(self.parts))
 
     def _positions(self, indices: ArrayLike) -> IntArray:
         array = np.asarray(indices)
@@ -443,6 +477,11 @@ def checked_scenes(scenes: object) -> Scenes:
             f"expected Scenes, got {type(scenes).__name__}: use Scenes.from_frame or Scenes.from_dicts"
         )
     return scenes
+
+
+def scenes_of(parts: SceneArrays) -> Scenes:
+    """Return scenes made of arrays, after the checks of the constructor."""
+    return _unchecked(check_arrays(parts))
 
 
 def _unchecked(parts: SceneArrays) -> Scenes:

@@ -61,7 +61,7 @@ def add_attribute(
             f"{added.dim}"
         )
     return parts._replace(
-        schema=Schema((*schema.attributes, added), schema.parameters),
+        schema=Schema((*schema.attributes, added), schema.parameters, schema.relations),
         matrix=np.hstack([parts.matrix, column]),
     )
 

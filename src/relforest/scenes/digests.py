@@ -34,6 +34,10 @@ def column_digest(column: ArrowArray) -> str:
         values = pc.fill_null(array, 0).to_numpy(zero_copy_only=False)
         wide = values.astype(np.float64 if values.dtype.kind == "f" else np.int64)
         digest.update(wide.dtype.str.encode() + wide.tobytes())
+    elif pa.types.is_list(array.type) or pa.types.is_large_list(array.type):
+        lengths = pc.fill_null(pc.cast(pc.list_value_length(array), pa.int64()), 0)
+        digest.update(b"list" + lengths.to_numpy(zero_copy_only=False).tobytes())
+        digest.update(column_digest(pc.list_flatten(array)).encode())
     else:
         digest.update(str(array.type).encode())
     return digest.hexdigest()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
+from types import MappingProxyType
 from typing import Any, cast, final
 
 import numpy as np
@@ -20,7 +21,8 @@ from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import plain
 from relforest.scenes.label_text import parsed_labels
 from relforest.scenes.lookup import bind_arguments, index_objects
-from relforest.scenes.schema import Attribute, Schema
+from relforest.scenes.relations import Relations, pairs_of_column, relation_columns, with_pairs
+from relforest.scenes.schema import Attribute, Relation, Schema
 from relforest.support.errors import InputError
 
 AttributeColumns = Mapping[str | Attribute, str | Sequence[str]]
@@ -35,21 +37,29 @@ class FrameLayout:
     object: str | None
     attributes: tuple[tuple[Attribute, tuple[str, ...]], ...]
     arguments: tuple[str, ...] = ()
+    relations: tuple[tuple[Relation, str], ...] = ()
 
     @property
     def columns(self) -> list[str]:
         """All columns."""
         components = [name for _, names in self.attributes for name in names]
-        return [self.scene, *([] if self.object is None else [self.object]), *self.arguments, *components]
+        related = [name for _, name in self.relations]
+        ids = [self.scene, *([] if self.object is None else [self.object])]
+        return [*ids, *self.arguments, *related, *components]
 
 
 def frame_layout(
-    scene: str, object_column: str | None, attributes: AttributeColumns, arguments: Sequence[str]
+    scene: str,
+    object_column: str | None,
+    attributes: AttributeColumns,
+    arguments: Sequence[str],
+    relations: tuple[tuple[Relation, str], ...] = (),
 ) -> FrameLayout:
-    """Check the keywords of `Scenes.from_frame`."""
-    return FrameLayout(
-        scene, object_column, _attribute_layout(attributes), _parameter_names(arguments, object_column)
-    )
+    """Check the keywords of `Scenes.from_frame`; of the relations, those that are columns."""
+    parameters = _parameter_names(arguments, object_column)
+    if relations and object_column is None:
+        raise InputError("relations contain object ids: name the column of object ids with object=")
+    return FrameLayout(scene, object_column, _attribute_layout(attributes), parameters, relations)
 
 
 def named_columns(
@@ -58,6 +68,7 @@ def named_columns(
     object: str | None = None,  # noqa: A002 - the keyword of `Scenes.from_parquet`
     attributes: AttributeColumns | None = None,
     arguments: Sequence[str] = (),
+    relations: Relations = MappingProxyType({}),
     *,
     own: bool,
 ) -> FrameLayout | None:
@@ -68,19 +79,23 @@ def named_columns(
     InputError
         If keywords are missing that a file needs which is not `own`, written by `Scenes.to_parquet`.
     """
-    if own and scene is None and object is None and attributes is None and not arguments:
+    columns = relation_columns(relations)
+    if len(columns) < len(relations):
+        raise InputError("relations of files are columns: name them, as in relations={'touches': 'contacts'}")
+    if own and scene is None and object is None and attributes is None and not arguments and not columns:
         return None
     if scene is None or attributes is None:
         raise InputError(
             f"{origin} was not written by Scenes.to_parquet, or keywords were given: name its columns "
-            "with scene= and attributes= (and object=, arguments=) as for from_frame"
+            "with scene= and attributes= (and object=, arguments=, relations=) as for from_frame"
         )
-    return frame_layout(scene, object, attributes, arguments)
+    return frame_layout(scene, object, attributes, arguments, columns)
 
 
 def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
     """Read scenes from a long table; see `Scenes.from_frame`."""
-    Schema([attribute for attribute, _ in layout.attributes], layout.arguments)  # names that clash
+    relations = [relation for relation, _ in layout.relations]
+    Schema([attribute for attribute, _ in layout.attributes], layout.arguments, relations)  # names that clash
     table = open_frame(frame, layout.columns)
     scenes = _scene_codes(table, layout.scene)
     object_ids = None if layout.object is None else id_column(table, layout.object)
@@ -100,8 +115,8 @@ def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
         bind_arguments(index, parameter, _constant_values(id_column(table, parameter), scenes, parameter))
         for parameter in layout.arguments
     ]
-    return SceneArrays(
-        Schema(attributes, layout.arguments),
+    parts = SceneArrays(
+        Schema(attributes, layout.arguments, relations),
         matrix[rows],
         np.arange(len(rows)),
         starts,
@@ -110,6 +125,12 @@ def arrays_from_frame(frame: object, layout: FrameLayout) -> SceneArrays:
         scenes.ids,
         objects.ids[objects.codes],
     )
+    position = np.full(len(table), -1)
+    position[rows] = parts.rows
+    related = [
+        pairs_of_column(table, column, index, scenes.codes, position) for _, column in layout.relations
+    ]
+    return with_pairs(parts, related)
 
 
 def scene_values(frame: object, column: str, *, scene: str) -> NDArray[Any]:

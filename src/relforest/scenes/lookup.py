@@ -76,16 +76,7 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
     InputError
         If a value is not the identifier of an object of its scene.
     """
-    ids = pa.array(index.object_ids, from_pandas=True)
-    ids = pc.cast(ids, pa.large_string() if index.object_ids.dtype == object else pa.int64())
-    if values.type != ids.type:
-        # Types may differ, as where no argument reveals that ids are strings. As text, 07 is still not 7.
-        ids, values = pc.cast(ids, pa.large_string()), pc.cast(values, pa.large_string())
-    if is_text(ids.type) and all(map(_are_integers, (ids, values))):
-        ids, values = (pc.replace_substring(texts, ".0", "") for texts in (ids, values))
-    codes = pc.fill_null(pc.cast(pc.index_in(values, value_set=ids), pa.int64()), -1).to_numpy(
-        zero_copy_only=False
-    )
+    codes = places_of(values, index.object_ids)
     positions = index.find(np.arange(len(codes)), codes)
     unbound = np.flatnonzero((positions < 0) & pc.is_valid(values).to_numpy(zero_copy_only=False))
     if unbound.size:
@@ -96,6 +87,21 @@ def bind_arguments(index: ObjectIndex, parameter: str, values: ArrowArray) -> In
             f"{index.describe(scene)}): use the id of one of them, or null for none"
         )
     return positions
+
+
+def places_of(values: ArrowArray, among: IdArray) -> IntArray:
+    """Return the place of each identifier from `id_column` among different ones, -1 if it is none of them."""
+    ids = pa.array(among, from_pandas=True)
+    ids = pc.cast(ids, pa.large_string() if among.dtype == object else pa.int64())
+    if values.type != ids.type:
+        # Types may differ, as where no argument reveals that ids are strings. As text, 07 is still not 7.
+        ids, values = pc.cast(ids, pa.large_string()), pc.cast(values, pa.large_string())
+    if is_text(ids.type) and all(map(_are_integers, (ids, values))):
+        ids, values = (pc.replace_substring(texts, ".0", "") for texts in (ids, values))
+    places: IntArray = pc.fill_null(pc.cast(pc.index_in(values, value_set=ids), pa.int64()), -1).to_numpy(
+        zero_copy_only=False
+    )
+    return places
 
 
 def _are_integers(texts: ArrowArray) -> bool:

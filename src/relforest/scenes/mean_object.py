@@ -26,7 +26,7 @@ def has_mean(schema: Schema) -> bool:
 
 def without_mean(schema: Schema) -> Schema:
     """Return the schema of the scenes before they got a mean object, if they have one."""
-    return Schema(schema.attributes, schema.parameters[:-1]) if has_mean(schema) else schema
+    return Schema(schema.attributes, schema.parameters[:-1], schema.relations) if has_mean(schema) else schema
 
 
 def with_mean_object(parts: SceneArrays) -> SceneArrays:
@@ -61,7 +61,7 @@ def with_mean_object(parts: SceneArrays) -> SceneArrays:
     numbered = parts.object_ids.dtype.kind in "iu"
     ids = np.full(n, -1) if numbered else np.full(n, MEAN, dtype=object)
     return SceneArrays(
-        Schema(schema.attributes, (*schema.parameters, MEAN)),
+        Schema(schema.attributes, (*schema.parameters, MEAN), schema.relations),
         np.concatenate([parts.matrix, means]),
         rows,
         starts,
@@ -69,6 +69,7 @@ def with_mean_object(parts: SceneArrays) -> SceneArrays:
         np.column_stack([parts.arguments, new]),
         parts.scene_ids,
         np.concatenate([parts.object_ids, ids]),
+        parts.pairs,
     )
 
 

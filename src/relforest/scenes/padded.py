@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays
+from relforest.scenes.relations import with_pairs
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
@@ -21,10 +22,11 @@ def arrays_from_padded(
             f"array {mask!r} is missing from {', '.join(map(repr, observation))}: name it with mask="
         )
     present, batched = _read_mask(observation[mask], mask)
+    relations = () if schema is None else schema.relations
     slots = {
         name: _read_slots(name, values, present.shape, batched=batched)
         for name, values in observation.items()
-        if name not in (mask, arguments)
+        if name not in (mask, arguments, *(relation.name for relation in relations))
     }
     if schema is None:
         schema = Schema([Attribute(name, array.shape[2]) for name, array in slots.items()])
@@ -38,8 +40,11 @@ def arrays_from_padded(
     if schema.n_parameters:
         bound = _read_arguments(observation, arguments, schema, present, batched=batched)
     ids = np.broadcast_to(np.arange(present.shape[1]), present.shape)[present]
-    return SceneArrays(
+    parts = SceneArrays(
         schema, matrix, np.arange(len(matrix)), starts, counts, bound, np.arange(len(present)), ids
+    )
+    return with_pairs(
+        parts, [_read_pairs(observation, each.name, present, batched=batched) for each in relations]
     )
 
 
@@ -87,6 +92,29 @@ def _check_slots(schema: Schema, slots: Mapping[str, FloatArray]) -> None:
             )
 
 
+def _rows(present: NDArray[np.bool_]) -> IntArray:
+    """Return the object row of every slot, -1 if it is empty."""
+    return np.where(present, np.cumsum(present).reshape(present.shape) - 1, -1)
+
+
+def _read_pairs(
+    observation: Mapping[str, ArrayLike], name: str, present: NDArray[np.bool_], *, batched: bool
+) -> IntArray:
+    """Return scene and two object rows for each two filled slots that are related, (n, 3)."""
+    if name not in observation:
+        raise InputError(f"the array of relation {name!r} is missing from the observation")
+    array = np.asarray(observation[name])
+    array = array if batched else array[np.newaxis]
+    if array.shape != (*present.shape, present.shape[1]) or not np.isin(array, (0, 1)).all():
+        raise InputError(
+            f"the array {name!r} of a relation must be 0 or 1 for each two slots of the mask, shape "
+            f"(n_scenes, n_slots, n_slots), got {array.dtype} {np.shape(observation[name])}"
+        )
+    scene, *slots = np.nonzero(array.astype(np.bool_) & present[:, :, None] & present[:, None, :])
+    rows = _rows(present)
+    return np.column_stack([scene, *(rows[scene, slot] for slot in slots)])
+
+
 def _read_arguments(
     observation: Mapping[str, ArrayLike],
     name: str,
@@ -107,7 +135,7 @@ def _read_arguments(
             f"the array {name!r} must contain a slot number for each argument, shape ({len(present)}, "
             f"{schema.n_parameters}), got {slots.dtype} {slots.shape}"
         )
-    rows = np.where(present, np.cumsum(present).reshape(present.shape) - 1, -1)
+    rows = _rows(present)
     # One more, empty slot, for the slot numbers that do not exist.
     rows = np.pad(rows, ((0, 0), (0, 1)), constant_values=-1)
     inside = (slots >= 0) & (slots < present.shape[1])

@@ -20,7 +20,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from pyarrow import parquet
 
-from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, compact
+from relforest.scenes.arrays import FloatArray, IntArray, SceneArrays, compact, occurrences
 from relforest.scenes.arrow import ArrowArray, ArrowTable
 from relforest.scenes.attribute_columns import attribute_columns
 from relforest.scenes.columns import Codes, encode, open_frame
@@ -28,13 +28,15 @@ from relforest.scenes.digests import block_digests, document_digest, is_unchange
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.ids import IdArray
 from relforest.scenes.lookup import bind_arguments, index_objects
+from relforest.scenes.relations import pairs_of_column, with_pairs
 from relforest.scenes.schema import Schema
 from relforest.scenes.table_file import TableFile
 from relforest.support.errors import InputError, ModelFormatError, RelforestError
 from relforest.support.files import check_document, write_bytes
 
 FORMAT: Final = "relforest-scenes"
-VERSION: Final = 1
+VERSION: Final = 2
+"""The newest version; scenes without relations are still written as version 1, which older releases read."""
 _KEY: Final = b"relforest"
 _DIGESTS: Final = "digests"
 
@@ -78,11 +80,13 @@ def to_table(parts: SceneArrays) -> ArrowTable:
         _take(object_ids, rows),
         *(_take(_values(parts.schema, number, column), rows) for number, column in enumerate(parts.matrix.T)),
         *(_take(object_ids, column[scenes]) for column in parts.arguments.T),
+        *_related(parts, object_ids, rows >= 0),
         pa.array(scenes),
         pa.array(rows, mask=rows < 0),
     ]
     names = column_names(parts.schema)
-    document = {"format": FORMAT, "version": VERSION, "schema": parts.schema.to_dict(), "columns": names}
+    version = VERSION if parts.schema.relations else 1
+    document = {"format": FORMAT, "version": version, "schema": parts.schema.to_dict(), "columns": names}
     return pa.table(columns, names=names).replace_schema_metadata({_KEY: json.dumps(document).encode()})
 
 
@@ -94,6 +98,23 @@ def _values(schema: Schema, number: int, column: FloatArray) -> ArrowArray:
     undefined = np.isnan(column)
     places = np.where(undefined, 0, column).astype(np.int64)
     return _take(pa.array(attribute.categories, pa.large_string()), np.where(undefined, -1, places))
+
+
+def _related(
+    parts: SceneArrays, object_ids: ArrowArray, is_object: NDArray[np.bool_]
+) -> Iterator[ArrowArray]:
+    """Yield a column for each relation of compact scenes: a list of the objects that each one is related to.
+
+    `is_object` (n_rows,) tells which rows of the table are objects rather than scenes without any.
+    """
+    places, _, numbers = occurrences(parts)
+    for relation in range(len(parts.schema.relations)):
+        own = parts.pairs[numbers, 0] == relation
+        lengths = np.zeros(len(is_object), dtype=np.int64)
+        lengths[is_object] = np.bincount(places[own], minlength=len(parts.rows))
+        ends = np.concatenate([[0], np.cumsum(lengths)])
+        ids = object_ids.take(pa.array(parts.pairs[numbers[own], 2]))
+        yield pa.LargeListArray.from_arrays(pa.array(ends), ids)
 
 
 def sealed(table: ArrowTable) -> ArrowTable:
@@ -110,7 +131,7 @@ def is_own(file: TableFile) -> bool:
 
 
 def own_columns(file: TableFile) -> tuple[Schema, list[str]]:
-    """Return the schema of a file of `to_table`, and its columns: ids, attributes, arguments, numbering.
+    """Return the schema of a file of `to_table`, and its columns, see `column_names`.
 
     Raises
     ------
@@ -208,7 +229,9 @@ def _read_rows(
     codes = Codes(objects.codes[is_object], objects.ids)
     index = index_objects(scene_ids, scenes[is_object], codes)
     arguments = np.full((len(first), schema.n_parameters), -1, dtype=np.int64)
-    for column, name in enumerate(names[2 + schema.width : -2]):
+    others = 2 + schema.width
+    related = others + schema.n_parameters
+    for column, name in enumerate(names[others:related]):
         found = bind_arguments(index, name, id_column(frame, name).take(pa.array(first)))
         arguments[:, column] = np.append(rows, -1)[found]
     columns = iter(names[2 : 2 + schema.width])
@@ -216,7 +239,13 @@ def _read_rows(
     matrix = attribute_columns(frame, layout, "row {}".format)[0][is_object][seen]
     starts = np.cumsum(counts) - counts
     object_ids = codes.ids[codes.codes[seen]]
-    return SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+    parts = SceneArrays(schema, matrix, rows, starts, counts, arguments, scene_ids, object_ids)
+    position = np.where(is_object, np.cumsum(is_object) - 1, -1)
+    given = []
+    for name in names[related:-2]:
+        found = pairs_of_column(frame, name, index, scenes, position)
+        given.append(np.column_stack([found[:, 0], rows[found[:, 1:]]]))
+    return with_pairs(parts, given)
 
 
 def _check_numbering(scenes: IntArray, rows: IntArray, is_object: NDArray[np.bool_]) -> IntArray:
@@ -252,13 +281,14 @@ def _parsed(file: TableFile) -> Any:  # noqa: ANN401 - not checked yet
 
 
 def column_names(schema: Schema) -> list[str]:
-    """Return the names of ids, attributes, arguments and numbering, made unique by underscores."""
+    """Return the names of ids, attributes, arguments, relations and numbering, made unique by underscores."""
     wanted = ["scene", "object"]
     for attribute in schema.attributes:
         several = [f"{attribute.name}_{component}" for component in range(attribute.dim)]
         wanted += [attribute.name] if attribute.dim == 1 else several
     names: list[str] = []
-    for name in (*wanted, *schema.parameters, "scene_number", "object_row"):
+    related = [relation.name for relation in schema.relations]
+    for name in (*wanted, *schema.parameters, *related, "scene_number", "object_row"):
         free = name
         while free in names:
             free += "_"

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from relforest.scenes.arrays import FloatArray, SceneArrays, compact
+from relforest.scenes.arrays import FloatArray, SceneArrays, compact, occurrences
 from relforest.scenes.attribute_columns import category_text, closed, place_of
 from relforest.scenes.ids import as_ids, plain
+from relforest.scenes.relations import with_pairs
 from relforest.scenes.schema import Attribute, Schema
 from relforest.support.errors import InputError
 
-_RECORD_KEYS = ("id", "objects", "arguments")
+_RECORD_KEYS = ("id", "objects", "arguments", "relations")
 CATEGORY_HINT = " (for names, declare the attribute with kind='category')"
 
 
@@ -27,6 +28,7 @@ class _Record(NamedTuple):
     objects: tuple[Mapping[str, object], ...]
     object_ids: tuple[object, ...]
     arguments: Mapping[str, object]
+    relations: Mapping[str, object]
 
     @property
     def name(self) -> str:
@@ -40,26 +42,41 @@ def arrays_from_dicts(records: Iterable[Mapping[str, Any]], schema: Schema | Non
     object_ids = as_ids("object ids", [each for scene in scenes for each in scene.object_ids])
     if schema is None:
         schema = _infer_schema(scenes)
-    schema = Schema([_closed(attribute, scenes) for attribute in schema.attributes], schema.parameters)
+    closed = [_closed(attribute, scenes) for attribute in schema.attributes]
+    schema = Schema(closed, schema.parameters, schema.relations)
     known = {attribute.name: (attribute, schema.columns(attribute.name)) for attribute in schema.attributes}
     counts = np.array([len(scene.objects) for scene in scenes], dtype=np.int64)
     starts = np.cumsum(counts) - counts
     matrix = np.full((int(counts.sum()), schema.width), np.nan)
     arguments = np.full((len(scenes), schema.n_parameters), -1, dtype=np.int64)
+    pairs: list[list[list[int]]] = [[] for _ in schema.relations]
     for position, (scene, start) in enumerate(zip(scenes, starts.tolist(), strict=True)):
         for offset, entry in enumerate(scene.objects):
             _fill_row(
                 matrix[start + offset], entry, known, f"{scene.name}, object {scene.object_ids[offset]!r}"
             )
-        arguments[position] = _bind(scene, start, schema.parameters)
-    return SceneArrays(
+        rows = _rows(scene, start)
+        arguments[position] = _bind(scene, rows, schema.parameters)
+        for own, found in zip(pairs, _related(scene, rows, schema), strict=True):
+            own += [[position, *pair] for pair in found]
+    parts = SceneArrays(
         schema, matrix, np.arange(len(matrix)), starts, counts, arguments, scene_ids, object_ids
     )
+    return with_pairs(parts, [np.array(own, dtype=np.int64).reshape(-1, 3) for own in pairs])
 
 
 def arrays_to_dicts(parts: SceneArrays) -> list[dict[str, Any]]:
     """Write scenes as dictionaries; see `Scenes.to_dicts`."""
     parts = compact(parts)
+    related: list[dict[str, list[list[object]]]] = [
+        {relation.name: [] for relation in parts.schema.relations} for _ in parts.starts
+    ]
+    places, _, numbers = occurrences(parts)
+    scenes = np.repeat(np.arange(len(parts.starts)), parts.counts)[places]
+    for scene, (number, *pair) in zip(scenes.tolist(), parts.pairs[numbers].tolist(), strict=True):
+        relation = parts.schema.relations[number]
+        if relation.directed or pair[0] < pair[1]:
+            related[scene][relation.name].append([plain(parts.object_ids[row]) for row in pair])
     objects = [
         {"id": plain(each)} | _defined_values(parts.schema, row)
         for each, row in zip(parts.object_ids, parts.matrix, strict=True)
@@ -76,6 +93,8 @@ def arrays_to_dicts(parts: SceneArrays) -> list[dict[str, Any]]:
             document["arguments"] = {
                 name: None if row < 0 else plain(parts.object_ids[row]) for name, row in bound
             }
+        if parts.schema.relations:
+            document["relations"] = related[position]
         documents.append(document)
     return documents
 
@@ -128,8 +147,14 @@ def _read_record(position: int, record: Mapping[str, Any]) -> _Record:
         raise InputError(
             f"the arguments of scene {scene_id!r} must map names to object ids, got {arguments!r:.100}"
         )
+    relations = {} if record.get("relations") is None else record["relations"]
+    if not isinstance(relations, Mapping):
+        raise InputError(
+            f"the relations of scene {scene_id!r} must map names to pairs of object ids, got "
+            f"{relations!r:.100}"
+        )
     ids = tuple(offset if entry.get("id") is None else entry["id"] for offset, entry in enumerate(objects))
-    return _Record(scene_id, objects, ids, arguments)
+    return _Record(scene_id, objects, ids, arguments, relations)
 
 
 def _all_or_none(what: str, have_id: list[bool]) -> None:
@@ -138,11 +163,13 @@ def _all_or_none(what: str, have_id: list[bool]) -> None:
 
 
 def _infer_schema(scenes: list[_Record]) -> Schema:
-    """Take attributes and arguments in order of first appearance, dimensions from the first value."""
+    """Take all names in order of first appearance, dimensions from the first value."""
     found: dict[str, Attribute | None] = {}
     parameters: dict[str, None] = {}
+    relations: dict[str, None] = {}
     for scene in scenes:
         parameters.update(dict.fromkeys(scene.arguments))
+        relations.update(dict.fromkeys(scene.relations))
         for entry in scene.objects:
             for name, value in entry.items():
                 if name != "id" and found.get(name) is None:
@@ -154,7 +181,7 @@ def _infer_schema(scenes: list[_Record]) -> Schema:
             )
     if not found:
         raise InputError("the objects lack attributes, so the schema is unknown: pass schema=")
-    return Schema([attribute for attribute in found.values() if attribute is not None], parameters)
+    return Schema([each for each in found.values() if each is not None], parameters, relations)
 
 
 def _components(value: object) -> list[object]:
@@ -217,14 +244,19 @@ def _number(value: object, name: str, where: str) -> float:
     return number
 
 
-def _bind(scene: _Record, start: int, parameters: tuple[str, ...]) -> list[int]:
-    """Return the object rows bound to the parameters in one scene."""
+def _rows(scene: _Record, start: int) -> dict[object, int]:
+    """Return the object rows of one scene by identifier."""
     rows: dict[object, int] = {}
     for offset, each in enumerate(scene.object_ids):
         if rows.setdefault(each, start + offset) != start + offset:
             raise InputError(
                 f"object {each!r} occurs twice in {scene.name}: the ids of a scene's objects must differ"
             )
+    return rows
+
+
+def _bind(scene: _Record, rows: dict[object, int], parameters: tuple[str, ...]) -> list[int]:
+    """Return the object rows bound to the parameters in one scene."""
     unknown = [name for name in scene.arguments if name not in parameters]
     if unknown:
         raise InputError(
@@ -232,11 +264,38 @@ def _bind(scene: _Record, start: int, parameters: tuple[str, ...]) -> list[int]:
             f"{', '.join(map(repr, parameters)) or 'none'}"
         )
     for name, value in scene.arguments.items():
-        is_id = isinstance(value, (int, np.integer, str)) and not isinstance(value, bool)
-        if value is not None and not (is_id and value in rows):
+        if value is not None and not _is_one_of(value, rows):
             raise InputError(
                 f"argument {name!r} of {scene.name} is {value!r}, which is not an object of that scene (it "
                 f"has {', '.join(repr(each) for each in rows) or 'none'}): use the id of one of them, or None"
             )
     bound = (scene.arguments.get(name) for name in parameters)
     return [-1 if value is None else rows[value] for value in bound]
+
+
+def _related(scene: _Record, rows: dict[object, int], schema: Schema) -> Iterator[list[list[int]]]:
+    """Yield the pairs of object rows of each relation in one scene."""
+    known = [relation.name for relation in schema.relations]
+    for name, pairs in scene.relations.items():
+        if name not in known:
+            raise InputError(
+                f"{scene.name} has the unknown relation {name!r}: the schema has "
+                f"{', '.join(map(repr, known)) or 'none'}"
+            )
+        if not isinstance(pairs, Sequence):
+            raise InputError(f"{scene.name}: {name!r} must be a list of pairs of ids, got {pairs!r:.100}")
+        for pair in pairs:
+            is_pair = isinstance(pair, Sequence) and not isinstance(pair, str) and len(pair) == 2
+            if not is_pair or not all(_is_one_of(each, rows) for each in pair):
+                raise InputError(
+                    f"{scene.name}: {name!r} has {pair!r:.100}, which is not two objects of that scene (it "
+                    f"has {', '.join(repr(each) for each in rows) or 'none'}): use their ids"
+                )
+    for name in known:
+        found = cast("Sequence[Sequence[object]]", scene.relations.get(name, ()))
+        yield [[rows[each] for each in pair] for pair in found]
+
+
+def _is_one_of(value: object, rows: dict[object, int]) -> bool:
+    is_id = isinstance(value, (int, np.integer, str)) and not isinstance(value, bool)
+    return is_id and value in rows

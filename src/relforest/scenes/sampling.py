@@ -9,7 +9,8 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.scenes.batch import Scenes
+from relforest.scenes.arrays import SceneArrays
+from relforest.scenes.batch import Scenes, scenes_of
 from relforest.scenes.scene_stream import SceneColumns, scene_stream
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
@@ -93,8 +94,11 @@ def _together(batches: Sequence[Scenes]) -> Scenes:
             rows=batch.rows + n_rows,
             starts=batch.starts + n_refs,
             arguments=np.where(batch.arguments < 0, -1, batch.arguments + n_rows),
+            pairs=batch.pairs + np.array([0, n_rows, n_rows]),
         )
         parts.append(shifted[1:])
         n_rows += len(batch.matrix)
         n_refs += len(batch.rows)
-    return Scenes(batches[0].schema, *map(np.concatenate, zip(*parts, strict=True)))
+    together = SceneArrays(batches[0].schema, *map(np.concatenate, zip(*parts, strict=True)))
+    by_relation = np.argsort(together.pairs[:, 0], kind="stable")
+    return scenes_of(together._replace(pairs=together.pairs[by_relation]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain, pairwise
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from relforest.scenes.arrays import IntArray, SceneArrays
 from relforest.scenes.arrow import ArrowArray, ArrowType
-from relforest.scenes.batch import Scenes
+from relforest.scenes.batch import Scenes, scenes_of
 from relforest.scenes.columns import open_frame
 from relforest.scenes.frames import (
     AttributeColumns,
@@ -28,7 +28,7 @@ from relforest.scenes.frames import (
 from relforest.scenes.id_columns import id_column
 from relforest.scenes.parquet import own_columns, read_own_part
 from relforest.scenes.parquet_source import ParquetSource, Piece, open_source
-from relforest.scenes.schema import Schema
+from relforest.scenes.schema import Relation, Schema
 from relforest.scenes.seen_ids import SeenIds
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least
@@ -44,6 +44,7 @@ class SceneColumns(TypedDict, total=False):
     object: str | None
     attributes: AttributeColumns | None
     arguments: Sequence[str]
+    relations: Mapping[str | Relation, str]
 
 
 @final
@@ -84,7 +85,7 @@ class SceneStream:
         names = self.names if self.label is None else (*self.names, self.label)
         for piece in self._whole_scenes(names, batch_size):
             with self._locating(piece):
-                scenes = Scenes(*self._arrays(piece))
+                scenes = scenes_of(self._arrays(piece))
                 labels = None
                 if self.label is not None:
                     labels = stored_values(piece.table, self.label, scene=self.key)
@@ -203,7 +204,8 @@ def open_stream(source: ParquetSource, layout: FrameLayout | None, label: str | 
                 )
         stream = SceneStream(source, None, tuple(names), names[-2], schema, label)
     else:
-        schema = Schema([attribute for attribute, _ in layout.attributes], layout.arguments)
+        relations = [relation for relation, _ in layout.relations]
+        schema = Schema([attribute for attribute, _ in layout.attributes], layout.arguments, relations)
         for attribute in schema.attributes:
             if attribute.kind == "category" and not attribute.categories:
                 raise InputError(
@@ -260,8 +262,8 @@ def iter_scene_batches(
         Table rows (objects) read at a time. A batch consists of the scenes that end with them; one that goes
         on belongs to the next batch, whatever its size.
     **columns
-        ``scene``, ``object``, ``attributes`` and ``arguments`` as for `Scenes.from_parquet`; none for files
-        that `Scenes.to_parquet` wrote.
+        ``scene``, ``object``, ``attributes``, ``arguments`` and ``relations`` as for `Scenes.from_parquet`;
+        none for files that `Scenes.to_parquet` wrote.
 
     Returns
     -------

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import final
 
 from relforest.scenes.arrow import ArrowTable
-from relforest.scenes.batch import Scenes
+from relforest.scenes.batch import Scenes, scenes_of
 from relforest.scenes.columns import listed
 from relforest.scenes.dialect import ANY_DIALECT, Dialect
 from relforest.scenes.frames import FrameLayout, arrays_from_frame
@@ -73,12 +73,12 @@ def read_scenes(
         # Only the file's own numbering distinguishes scenes with the same id.
         scene_key = own_columns(file)[1][-2]
         table = file.read([scene_key, *labels])
-        return SceneTable(Scenes(*read_own(file)), own, table, scene_key)
+        return SceneTable(scenes_of(read_own(file)), own, table, scene_key)
     layout = _required(layout, file, str(path), remedy)
     table = file.read([*layout.columns, *labels])
     if is_own(file):
         check_unchanged(file, table)
-    return SceneTable(Scenes(*arrays_from_frame(table, layout)), layout, table, layout.scene)
+    return SceneTable(scenes_of(arrays_from_frame(table, layout)), layout, table, layout.scene)
 
 
 def open_scenes(source: ParquetSource, layout: FrameLayout | None, *, remedy: str) -> SceneStream:
@@ -102,7 +102,9 @@ def _described(schema: Schema) -> str:
         f"{attribute.name} ({f'{attribute.dim}-D' if attribute.kind == 'euclidean' else attribute.kind})"
         for attribute in schema.attributes
     )
-    return f"the attributes {attributes} and the arguments {', '.join(schema.parameters) or '(none)'}"
+    arguments = ", ".join(schema.parameters) or "(none)"
+    related = "".join(f" and the relation {relation.name}" for relation in schema.relations)
+    return f"the attributes {attributes} and the arguments {arguments}{related}"
 
 
 def _own_layout(file: TableFile, layout: FrameLayout | None) -> FrameLayout | None:
@@ -117,5 +119,7 @@ def _own_layout(file: TableFile, layout: FrameLayout | None) -> FrameLayout | No
     attributes = tuple(
         (attribute, tuple(next(components) for _ in range(attribute.dim))) for attribute in schema.attributes
     )
-    own = FrameLayout(names[0], names[1], attributes, tuple(names[2 + schema.width : -2]))
+    arguments = tuple(names[2 + schema.width :][: schema.n_parameters])
+    relations = tuple(zip(schema.relations, names[2 + schema.width + len(arguments) :], strict=False))
+    own = FrameLayout(names[0], names[1], attributes, arguments, relations)
     return own if layout is None or layout == own or layout.scene not in file.names else None

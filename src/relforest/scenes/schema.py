@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, Literal, cast, final
+from typing import Final, Literal, TypeVar, cast, final
 
 from relforest.support.errors import InputError, ModelFormatError
 from relforest.support.options import at_least, one_of
 
 Kind = Literal["euclidean", "angle", "category"]
 Role = Literal["location", "color", "extent", "property"]
+_Name = TypeVar("_Name")
 
 KINDS: Final[tuple[Kind, ...]] = ("euclidean", "angle", "category")
 ROLES: Final[tuple[Role, ...]] = ("location", "color", "extent", "property")
@@ -175,9 +176,50 @@ class Attribute:
 
 
 @final
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """What two objects of a scene may stand in, such as contact: it is given, not computed from attributes.
+
+    Parameters
+    ----------
+    name : str
+        A verb in the third person, as in "C touches D": ``"touches"``, ``"is bonded to"``, ``"passes to"``.
+    directed : bool
+        Whether "C passes to D" differs from "D passes to C". By default, whichever object is named first, the
+        other one stands in the relation to it as well.
+
+    Raises
+    ------
+    InputError
+        If the name is empty or not printable.
+    """
+
+    name: str
+    directed: bool = False
+
+    def __post_init__(self) -> None:
+        _check_name("relation", self.name)
+        if not isinstance(self.directed, bool):
+            raise InputError(f"directed of relation {self.name!r} must be True or False: {self.directed!r}")
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the relation as plain JSON values."""
+        return {"name": self.name, "directed": self.directed}
+
+    @classmethod
+    def from_dict(cls, document: object) -> Relation:
+        """Read what `to_dict` wrote; `ModelFormatError` if the document does not describe a relation."""
+        name, directed = _entries(document, ("name", "directed"), "relation").values()
+        try:
+            return cls(cast("str", name), cast("bool", directed))
+        except InputError as error:
+            raise ModelFormatError(str(error)) from error
+
+
+@final
 @dataclass(frozen=True, slots=True, init=False)
 class Schema:
-    """The ordered attributes of all objects and the names of the action arguments.
+    """The ordered attributes of all objects, the names of the action arguments, and relations of objects.
 
     Parameters
     ----------
@@ -186,6 +228,8 @@ class Schema:
         order.
     parameters : iterable of str
         Names of the arguments that each scene binds to one of its objects (may be empty).
+    relations : iterable of Relation or str
+        What `Scenes.pairs` contains (may be empty); a plain name is that of a relation without direction.
 
     Raises
     ------
@@ -195,9 +239,15 @@ class Schema:
 
     attributes: tuple[Attribute, ...]
     parameters: tuple[str, ...]
+    relations: tuple[Relation, ...]
 
-    def __init__(self, attributes: Iterable[Attribute], parameters: Iterable[str] = ()) -> None:
-        attributes, parameters = tuple(attributes), _name_tuple(parameters)
+    def __init__(
+        self,
+        attributes: Iterable[Attribute],
+        parameters: Iterable[str] = (),
+        relations: Iterable[Relation | str] = (),
+    ) -> None:
+        attributes, parameters = tuple(attributes), _name_tuple("argument", parameters)
         if not attributes:
             raise InputError("a schema needs at least one attribute: name what is known about the objects")
         for attribute in attributes:
@@ -207,8 +257,14 @@ class Schema:
             _check_name("argument", parameter)
         _check_unique("attribute", [attribute.name for attribute in attributes])
         _check_unique("argument", parameters)
+        related = tuple(map(as_relation, _name_tuple("relation", relations)))
+        _check_unique("relation", [relation.name for relation in related])
+        for relation in related:
+            if relation.name in [attribute.name for attribute in attributes]:
+                raise InputError(f"an attribute and a relation are named {relation.name!r}: rename one")
         object.__setattr__(self, "attributes", attributes)
         object.__setattr__(self, "parameters", parameters)
+        object.__setattr__(self, "relations", related)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -227,13 +283,15 @@ class Schema:
 
     @property
     def in_words(self) -> str:
-        """Attributes and arguments on one line, such as ``"attributes location (2); arguments holder"``."""
+        """All names on one line, such as ``"attributes location (2); arguments holder"``."""
         attributes = ", ".join(
             f"{attribute.name} ({attribute.dim if attribute.kind == 'euclidean' else attribute.kind})"
             for attribute in self.attributes
         )
         arguments = f"; arguments {', '.join(self.parameters)}" if self.parameters else ""
-        return f"attributes {attributes}{arguments}"
+        directed = (f"{each.name}{' (directed)' if each.directed else ''}" for each in self.relations)
+        relations = f"; relations {', '.join(directed)}" if self.relations else ""
+        return f"attributes {attributes}{arguments}{relations}"
 
     def index(self, name: str) -> int:
         """Return the position of attribute ``name``.
@@ -267,7 +325,8 @@ class Schema:
             [each.with_categories(()) if each.kind == "category" else each for each in attributes]
             for attributes in (self.attributes, other.attributes)
         )
-        return mine == theirs and self.parameters == other.parameters
+        others = self.parameters == other.parameters and self.relations == other.relations
+        return mine == theirs and others
 
     def __getitem__(self, name: str) -> Attribute:
         """Return attribute ``name``; `InputError` if it does not exist."""
@@ -282,7 +341,7 @@ class Schema:
         return {
             "attributes": [attribute.to_dict() for attribute in self.attributes],
             "parameters": list(self.parameters),
-        }
+        } | ({"relations": [each.to_dict() for each in self.relations]} if self.relations else {})
 
     @classmethod
     def from_dict(cls, document: object) -> Schema:
@@ -293,11 +352,20 @@ class Schema:
         ModelFormatError
             If the document does not describe a schema.
         """
-        attributes, parameters = _entries(document, ("attributes", "parameters"), "schema").values()
-        if not isinstance(attributes, list):
-            raise ModelFormatError(f"the attributes of a schema must be a list, got {attributes!r:.200}")
+        keys: tuple[str, ...] = ("attributes", "parameters")
+        if isinstance(document, dict) and "relations" in document:
+            keys += ("relations",)
+        attributes, parameters, *given = _entries(document, keys, "schema").values()
+        for key, entry in zip(("attributes", "relations"), (attributes, *given), strict=False):
+            if not isinstance(entry, list):
+                raise ModelFormatError(f"the {key} of a schema must be a list, got {entry!r:.200}")
+        relations = map(Relation.from_dict, cast("list[object]", given[0]) if given else ())
         try:
-            return cls(map(Attribute.from_dict, attributes), _strings(parameters, "parameters of the schema"))
+            return cls(
+                map(Attribute.from_dict, cast("list[object]", attributes)),
+                _strings(parameters, "parameters of the schema"),
+                relations,
+            )
         except InputError as error:
             raise ModelFormatError(str(error)) from error
 
@@ -323,11 +391,16 @@ def _check_unique(what: str, names: Iterable[str]) -> None:
         seen.add(name)
 
 
-def _name_tuple(names: Iterable[str]) -> tuple[str, ...]:
+def as_relation(given: object) -> Relation:
+    """Return a relation, which may be given by its name."""
+    return given if isinstance(given, Relation) else Relation(cast("str", given))
+
+
+def _name_tuple(what: str, names: Iterable[_Name]) -> tuple[_Name, ...]:
     """Turn names into a tuple; a lone string would otherwise become its letters."""
     if isinstance(names, str):
         raise InputError(
-            f"argument names must be a sequence of strings, got the string {names!r}; write [{names!r}]"
+            f"{what} names must be a sequence of strings, got the string {names!r}; write [{names!r}]"
         )
     return tuple(names)
 

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from relforest.forests import Condition
 from relforest.forests.scene_tree import SceneTree, Split
-from relforest.forests.statements import Test
+from relforest.forests.statements import Statement, Test
 from relforest.forests.words import sentence
-from relforest.mappings import Mapping
+from relforest.mappings import Mapping, Related
 from relforest.models import Model
 from relforest.models.model import Label
 from relforest.scenes import Schema
@@ -161,7 +161,7 @@ def program_of(model: Model) -> Program:
     Raises
     ------
     InputError
-        If the model is too large, or asks about the mean object of a scene.
+        If the model is too large, or asks about the mean object of a scene or about relations.
     """
     learned, schema = model.learned, model.learned.schema
     if has_mean(schema):
@@ -258,11 +258,20 @@ def _scene_tree(tree: SceneTree, schema: Schema, measures: Measures) -> Step:
 
 def _rule(condition: Condition, schema: Schema, measures: Measures) -> Rule:
     asked = tuple(
-        Asked(_number_of(Measure(each.mapping, each.variables, each.test), measures, each), "yes")
-        for each in condition.statements
+        Asked(_number_of(_measure(statement), measures, statement), "yes")
+        for statement in condition.statements
     )
     said = sentence(condition, schema)
     return Rule(condition.n_free, asked, said, at_least=condition.at_least, every=condition.every)
+
+
+def _measure(statement: Statement) -> Measure:
+    if isinstance(statement.mapping, Related):
+        raise InputError(
+            f"the model asks about the relation {statement.mapping.name!r}, which code without relforest "
+            "cannot look up: predict with relforest, or fit a model without this relation to share it"
+        )
+    return Measure(statement.mapping, statement.variables, statement.test)
 
 
 def _number_of(measure: Measure, measures: Measures, owner: object) -> int:
@@ -292,4 +301,6 @@ def _own_layout(schema: Schema) -> FrameLayout:
     columns = tuple(
         (attribute, tuple(names[span])) for attribute, span in zip(schema.attributes, spans, strict=True)
     )
-    return FrameLayout(scene, item, columns, tuple(names[schema.width : schema.width + schema.n_parameters]))
+    names = names[schema.width :]
+    arguments, related = tuple(names[: schema.n_parameters]), names[schema.n_parameters :]
+    return FrameLayout(scene, item, columns, arguments, tuple(zip(schema.relations, related, strict=False)))

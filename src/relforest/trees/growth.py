@@ -133,7 +133,7 @@ def grow(
     Raises
     ------
     InputError
-        If the scenes are empty, or the number of labels differs.
+        If the scenes are empty or have relations, or the number of labels differs.
 
     Notes
     -----
@@ -147,6 +147,11 @@ def grow(
     shape = (len(target),) if isinstance(target, Target) else target.shape
     if len(scenes) == 0 or shape != (len(scenes),):
         raise InputError(f"pass at least one scene and one label for each: got {len(scenes)} and {shape}")
+    if scenes.schema.relations:
+        raise InputError(
+            f"SMRF trees do not ask about relations, such as {scenes.schema.relations[0].name!r}: learn "
+            "boosting, rule sets or forests of conditions, or read the scenes without relations"
+        )
     if not isinstance(target, Target):
         target = Target.binary(target)
     state = _State(

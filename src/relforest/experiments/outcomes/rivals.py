@@ -43,7 +43,7 @@ def pooled(scenes: Scenes) -> NDArray[np.float64]:
         free = set(range(n_parameters, n_parameters + n_free))
         wanted = tuple(each for each in columns(scenes.schema, n_free) if free <= set(each.variables))
         choices, _ = bindings(scenes, n_free, most=_MOST_CHOICES, rng=np.random.default_rng(0))
-        for values in column_values(scenes, wanted, choices.rows):
+        for values in column_values(scenes, wanted, choices):
             vectors += [values] if n_free == 0 else _summaries(values, choices.starts)
     return np.column_stack(vectors)
 

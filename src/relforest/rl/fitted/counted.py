@@ -60,7 +60,7 @@ def counted_conditions(scenes: Scenes, n: int, rng: np.random.Generator) -> list
     choices, _ = bindings(sample, 1, most=_MOST_CHOICES, rng=rng)
     if not len(choices.rows):
         return []
-    values = column_values(sample, possible, choices.rows)
+    values = column_values(sample, possible, choices)
     alone = _groups(possible, values, (n_arguments,))
     with_arguments = [_groups(possible, values, (first, n_arguments)) for first in range(n_arguments)]
     groups = [group for own in with_arguments for group in own] if n_arguments else alone

@@ -12,12 +12,14 @@ import numpy as np
 
 from relforest.forests.batches import in_batches
 from relforest.forests.conditions import Condition
+from relforest.forests.evaluation import Facts
 from relforest.forests.measures import measures, work_space
 from relforest.forests.packing import Packed
 from relforest.forests.statements import Near
 from relforest.rl.experience import BoolArray
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.scenes.pairs import NO_PAIRS
 from relforest.support.documents import LARGEST_NUMBER, well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.jit import kernel
@@ -147,7 +149,9 @@ def measured(packed: Packed, scenes: Scenes, n_jobs: int = 1) -> Measures:
 
     def evaluate(begin: int, end: int, stop: BoolArray) -> None:
         work = work_space(packed, scenes.schema.n_parameters, scenes.schema.width)
-        measures(packed, scenes.matrix, columns, begin, end, work, out, stop)
+        measures(
+            packed, Facts(scenes.matrix, scenes.pairs, scenes.rows), columns, begin, end, work, out, stop
+        )
 
     in_batches(evaluate, len(scenes), n_jobs)
     return Measures(out[0], out[1], scenes.counts)
@@ -159,7 +163,8 @@ def measured_rows(
     """Return what conditions say about scenes given as rows, starts, counts and arguments."""
     out = np.empty((2, len(columns[1]), len(packed.conditions)))
     work = work_space(packed, columns[3].shape[1], matrix.shape[1])
-    measures(packed, matrix, columns, 0, out.shape[1], work, out, np.zeros(1, dtype=np.bool_))
+    facts = Facts(matrix, NO_PAIRS, columns[0])
+    measures(packed, facts, columns, 0, out.shape[1], work, out, np.zeros(1, dtype=np.bool_))
     return Measures(out[0], out[1], columns[2])
 
 
