@@ -116,8 +116,7 @@ def moved(scene: Scenes, rows: NDArray[np.int64], places: FloatArray) -> Scenes:
     matrix = np.tile(scene.matrix, (n, 1))
     matrix[np.arange(n) * m + rows, schema.columns(location_of(schema).name)] = places
     offsets = np.arange(n) * m
-    pairs = np.tile(scene.pairs, (n, 1))
-    pairs[:, 1:] += np.repeat(offsets, len(scene.pairs))[:, None]
+    pairs = np.tile(scene.pairs, (n, 1)) + np.repeat(offsets, len(scene.pairs))[:, None] * (0, 1, 1)
     return scenes_of(
         SceneArrays(
             schema,
