@@ -4,8 +4,8 @@ In each set, the bags for training allow two explanations of their labels. One o
 which bags are labelled: what a bag contains makes it positive. The other is easier to learn but breaks the
 rule, and in the bags for testing it is wrong.
 
-Distributions and ranges of counts are those of the implementation in torchmil, which names the paper as its source
-(we have not compared it with the paper); where a count is not given there, it is ours.
+Distributions and ranges of counts are those of the implementation in torchmil, which names the paper as its
+source (we have not compared the two); where a count is not given there, it is ours.
 """
 
 from __future__ import annotations
