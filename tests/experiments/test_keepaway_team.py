@@ -46,6 +46,8 @@ def test_agents_learn_from_their_own_experience_or_from_all() -> None:
 class Recorder:
     """An agent that holds the ball, or passes it to the first teammate, and remembers what it was told."""
 
+    features = None
+
     def __init__(self, action: int) -> None:
         self.action = action
         self.paid: list[tuple[str, float, float]] = []

@@ -16,8 +16,8 @@ def folder_of(name: str) -> Path:
     return FOLDER / ("learning" if name.endswith("-learning") else name)
 
 
-def test_every_folder_is_a_study() -> None:
-    folders = {path.parent for path in FOLDER.glob("*/__init__.py")}
+def test_every_folder_with_settings_is_a_study() -> None:
+    folders = {path.parent for path in FOLDER.glob("*/settings.py")}
 
     assert set(map(folder_of, STUDIES)) == folders
     assert [study.name for study in STUDIES.values()] == list(STUDIES)

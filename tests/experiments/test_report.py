@@ -95,7 +95,7 @@ def test_everything_on_the_page_is_text_whatever_it_contains() -> None:
     assert page.texts.count(evil) == 2 + 2 * 10
     # What plays episodes is a page of its own.
     assert ("srcdoc", f'<p title="{evil}">') in page.attributes
-    assert re.findall(r'<td class="(\w+)">', text)[:3] == ["missed", "met", "not"]
+    assert re.findall(r'<td class="(met|missed|not)">', text)[:3] == ["missed", "met", "not"]
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,8 @@ def test_a_search_that_pauses_finds_the_same(steps: int) -> None:
             pauses += leaf == UNFINISHED
         assert leaf == expected.leaf[scene]
         assert work.integers[WITNESSES, :2].tolist() == expected.witnesses[scene].tolist()
-        assert np.exp(work.numbers[BEST_PATH, 0]) == expected.densities[scene, 0]
+        # Compiled code and NumPy may round the last bit differently.
+        assert np.exp(work.numbers[BEST_PATH, 0]) == pytest.approx(expected.densities[scene, 0], rel=1e-14)
 
     assert pauses > 20
 

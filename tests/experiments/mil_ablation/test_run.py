@@ -67,21 +67,6 @@ def test_musk_is_read_once_and_split_into_ten_folds_per_repetition(
     assert tested[10] != tested[0]
 
 
-def test_a_missing_musk_is_unavailable_and_the_others_are_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("RELFOREST_DATA", str(tmp_path))
-    monkeypatch.delenv("RELFOREST_DATA_URL", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    unavailable = STUDIES["mil_ablation"].unavailable
-
-    assert unavailable is not None
-    ((setting, absence),) = unavailable(SETTINGS).items()
-    assert setting.data_set == "musk1"
-    assert absence.missing == "Musk 1 (musk1.csv.gz)"
-    assert unavailable(SETTINGS[:3]) == {}
-
-
 def test_every_data_set_can_be_chosen_and_learned_by_every_variant(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,7 +12,10 @@ from relforest.worlds.keepaway.env import KeepawayEnv
 
 pytest.importorskip("pettingzoo", reason="the extra pettingzoo is not installed")
 
-from pettingzoo.test import parallel_api_test
+with warnings.catch_warnings():
+    # With pygame installed, importing it makes games in a way that is deprecated.
+    warnings.simplefilter("ignore", DeprecationWarning)
+    from pettingzoo.test import parallel_api_test
 
 from relforest.worlds.keepaway.parallel import KeepawayParallelEnv
 

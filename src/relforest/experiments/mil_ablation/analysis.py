@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from relforest.experiments.claims import Claim, Findings
-from relforest.experiments.mil.data import unavailable
 from relforest.experiments.mil_ablation.run import compute
 from relforest.experiments.mil_ablation.settings import (
     COMMITTEE,
@@ -132,5 +131,4 @@ STUDY: Final = Study(
     summarize,
     figures,
     choices={"datasets": attrgetter("data_set")},
-    unavailable=unavailable,
 )
