@@ -188,8 +188,8 @@ def run(passes_table: Path | None, zendo_table: Path | None) -> Table:
         if zendo_table is not None:
             rows += on_zendo(zendo_table)
     note = (
-        "Means, and the least and greatest shuffle (passes), trial and seed (others); CPU seconds a fit, of which\n"
-        "the first may include compiling.\n"
+        "Means, and the least and greatest shuffle (passes), trial and seed (others); CPU seconds a fit, of\n"
+        "which the first may include compiling.\n"
         "Aim: .90 for boosting or forest and .87 for 8 questions on passes; .95 on zendo, .90 for one\n"
         "chain of rules; R2 .8."
     )
