@@ -10,6 +10,7 @@ source (we have not compared the two); where a count is not given there, it is o
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -59,10 +60,8 @@ def poisoned_presence(
     Raff and Holt (2023), "Reproducibility in multiple instance learning: a case for algorithmic unit tests",
     NeurIPS 36, Algorithm 1.
     """
-    labels = _labels(rng, part, n_bags)
-    dim = at_least("n_features", n_features, 1)
-    bags = []
-    for positive in labels:
+
+    def points_of(positive: bool, dim: int) -> list[NDArray[np.float64]]:  # noqa: FBT001 - of our own loop
         points = [rng.standard_normal((_BACKGROUND, dim))]
         if positive:
             concept = rng.standard_normal((rng.integers(1, 4), dim))
@@ -70,8 +69,9 @@ def poisoned_presence(
             points.append(np.where(is_wide, 3.0 * concept, 1.0 + concept))
         if positive == (part == "test"):
             points.append(_around(rng, _SIGN, 1, dim))
-        bags.append(_shuffled(rng, points))
-    return BagSet(bags, labels)
+        return points
+
+    return _drawn(rng, part, (n_bags, n_features), points_of)
 
 
 def poisoned_threshold(
@@ -86,10 +86,8 @@ def poisoned_threshold(
 
     Parameters, errors and source, Algorithm 2: as for `poisoned_presence`.
     """
-    labels = _labels(rng, part, n_bags)
-    dim = at_least("n_features", n_features, 1)
-    bags = []
-    for positive in labels:
+
+    def points_of(positive: bool, dim: int) -> list[NDArray[np.float64]]:  # noqa: FBT001 - of our own loop
         points = [rng.standard_normal((rng.integers(1, 10), dim))]
         if positive:
             count = int(rng.integers(1, 4))
@@ -98,8 +96,9 @@ def poisoned_threshold(
             points.append(_around(rng, _CONCEPTS[rng.integers(2)], 1, dim))
         if positive == (part == "test"):
             points.append(_around(rng, _SIGN, 1, dim))
-        bags.append(_shuffled(rng, points))
-    return BagSet(bags, labels)
+        return points
+
+    return _drawn(rng, part, (n_bags, n_features), points_of)
 
 
 def false_frequency(
@@ -114,31 +113,33 @@ def false_frequency(
     Parameters, errors and source, Algorithm 3: as for `poisoned_presence`; `part` tells how many points of a
     concept negative bags have.
     """
-    labels = _labels(rng, part, n_bags)
-    dim = at_least("n_features", n_features, 1)
-    bags = []
-    for positive in labels:
+
+    def points_of(positive: bool, dim: int) -> list[NDArray[np.float64]]:  # noqa: FBT001 - of our own loop
         points = [rng.standard_normal((rng.integers(1, 10), dim))]
         if positive:
             points += [_around(rng, mean, 1, dim) for mean in _CONCEPTS]
         else:
             count = 1 if part == "train" else int(rng.integers(35, 45))
             points.append(_around(rng, _CONCEPTS[rng.integers(2)], count, dim))
-        bags.append(_shuffled(rng, points))
-    return BagSet(bags, labels)
+        return points
+
+    return _drawn(rng, part, (n_bags, n_features), points_of)
 
 
-def _labels(rng: np.random.Generator, part: str, n_bags: int) -> NDArray[np.bool_]:
+def _drawn(
+    rng: np.random.Generator,
+    part: str,
+    size: tuple[int, int],
+    points_of: Callable[[bool, int], list[NDArray[np.float64]]],
+) -> BagSet:
+    """Return so many bags of points with so many features; `points_of` says what a bag contains."""
     one_of("part", part, _PARTS)
-    labels: NDArray[np.bool_] = np.arange(at_least("n_bags", n_bags, 2)) < n_bags // 2
+    n_bags, dim = at_least("n_bags", size[0], 2), at_least("n_features", size[1], 1)
+    labels: NDArray[np.bool_] = np.arange(n_bags) < n_bags // 2
     rng.shuffle(labels)
-    return labels
+    bags = [rng.permutation(np.concatenate(points_of(bool(positive), dim))) for positive in labels]
+    return BagSet(bags, labels)
 
 
 def _around(rng: np.random.Generator, mean: float, count: int, dim: int) -> NDArray[np.float64]:
     return mean + _NARROW * rng.standard_normal((count, dim))
-
-
-def _shuffled(rng: np.random.Generator, points: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    shuffled: NDArray[np.float64] = rng.permutation(np.concatenate(points))
-    return shuffled

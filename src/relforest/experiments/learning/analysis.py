@@ -152,10 +152,6 @@ def _tower_claims(table: Table) -> Iterator[Claim]:
         yield Claim(f"{ours}: p of no more reward than {hand} after {end} episodes", p, high=0.05)
 
 
-def _color_claims(table: Table) -> Iterator[Claim]:
-    yield from _mean_claim(table, settings.COLORS, 2000)
-
-
 def _arch_claims(table: Table) -> Iterator[Claim]:
     end = 1500
     name = f"{settings.OURS}: share of test episodes that end with an arch after {end} episodes"
@@ -178,7 +174,7 @@ def _mean_claim(table: Table, task: str, end: int) -> Iterator[Claim]:
 _AGAINST_HAND: Final[Mapping[str, Callable[[Table], Iterator[Claim]]]] = {
     settings.KEEPAWAY: _keepaway_claims,
     settings.TOWERS: _tower_claims,
-    settings.COLORS: _color_claims,
+    settings.COLORS: partial(_mean_claim, task=settings.COLORS, end=2000),
     settings.ARCH: _arch_claims,
 }
 

@@ -101,16 +101,9 @@ def compute(setting: LearningSetting, context: Context) -> list[Row]:
         ends += [(setting.task, name, change) for name, change in _CHANGES.get(setting.task, {}).items()]
     for task, name, change in ends:
         rewards = _rewards(task, setting, run, context, change)
-        end = {"episodes": setting.iterations * setting.episodes, "reward": float(rewards.mean())}
-        rows.append(
-            {
-                **head,
-                "condition": setting.condition + name,
-                "played": task,
-                **end,
-                "paid": float((rewards > 0.0).mean()),
-            }
-        )
+        where = {"condition": setting.condition + name, "played": task}
+        paid = {"reward": float(rewards.mean()), "paid": float((rewards > 0.0).mean())}
+        rows.append({**head, **where, "episodes": setting.iterations * setting.episodes, **paid})
     return rows
 
 
