@@ -41,6 +41,7 @@ COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
         "fit": "Learn a model from a table of labelled scenes.",
         "predict": "Apply a learned model to the scenes of a table.",
         "explain": "Explain a prediction, and what would turn it.",
+        "check": "Check what a model or policy does in situations that you give.",
         "show": "Show a learned model in words, as a drawing, a page or code.",
         "experiment": "Run one of the studies, or list them.",
         "report": "Write a page about studies and runs.",

@@ -22,7 +22,6 @@ from relforest.support.errors import InputError
 if TYPE_CHECKING:
     from relforest.experiments.learned_policies import LearnedPolicy
     from relforest.playing import Recording
-    from relforest.playing.recorder import Why
 
 _MOST_LINES: Final = 20
 
@@ -273,24 +272,8 @@ def _explained(recordings: Sequence[Recording]) -> Iterator[str]:
         if len(recordings) > 1:
             yield f"episode {number}"
         for choice in recording.choices:
-            yield f"{choice.begin:6.1f} s  {plain(choice.words)}{_because(choice.why)}"
-
-
-def _because(why: Why | None) -> str:
-    from relforest.playing.shapes import plain
-
-    if why is None:
-        return ": there was no other action"
-    explained = why.explanation
-    than = "more" if explained.lead >= 0.0 else "less"
-    parts = [f": worth {_brief(abs(explained.lead))} {than} than {plain(why.rival)}"]
-    for what, sign in (("for it", 1.0), ("against it", -1.0)):
-        number = next((i for i, each in enumerate(explained.reasons) if each.adds * sign > 0.0), None)
-        if number is not None:
-            says, stands = map(plain, why.words(number))
-            stood = f" ({stands})" if stands else ""
-            parts.append(f"{what}: {says}{stood} {explained.reasons[number].adds:+.2f}")
-    return "; ".join(parts)
+            why = "there was no other action" if choice.why is None else str(choice.why)
+            yield f"{choice.begin:6.1f} s  {plain(choice.words)}: {why}"
 
 
 def _described(recordings: Sequence[Recording]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from relforest.playing.frames import Frame, Naming, Shown, Stage
 from relforest.playing.reasons import Explanation, Reason, Reasoning
-from relforest.playing.shapes import Words
+from relforest.playing.shapes import Words, plain
 from relforest.smdp import Decision, World
 from relforest.support.errors import InputError
 from relforest.support.options import between
@@ -94,6 +94,17 @@ class Why(NamedTuple):
         clauses += [("if ", *self.rival, f": {reason.compared}")] if reason.compared else []
         apart = (part for clause in clauses for part in ("; ", *clause))
         return (reason.says,), tuple(apart)[1:]
+
+    def __str__(self) -> str:
+        """Return the lead over the rival, and the strongest reasons for the action and against it."""
+        lead, reasons = self.explanation.lead, self.explanation.reasons
+        parts = [f"worth {abs(lead):.2f} {'more' if lead >= 0.0 else 'less'} than {plain(self.rival)}"]
+        for what, sign in (("for it", 1.0), ("against it", -1.0)):
+            number = next((i for i, each in enumerate(reasons) if each.adds * sign > 0.0), None)
+            if number is not None:
+                says, stands = map(plain, self.words(number))
+                parts.append(f"{what}: {says}{f' ({stands})' if stands else ''} {reasons[number].adds:+.2f}")
+        return "; ".join(parts)
 
 
 @final

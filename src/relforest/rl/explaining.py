@@ -77,7 +77,13 @@ def explanation(
         return None
     values = value.values(decision).astype(np.float64)
     values[position] = -np.inf
-    rival = int(values.argmax())
+    return comparison(value, decision, position, int(values.argmax()), most)
+
+
+def comparison(
+    value: Explaining, decision: Decision, position: int, rival: int, most: int = MOST_REASONS
+) -> Explanation:
+    """Return why an action is worth more than another one, or less; see `explanation`."""
     own, theirs = (dict(value.parts(decision, each)) for each in (position, rival))
     mine, other = ((int(decision.types[each]), AS_SUCH) for each in (position, rival))
     if mine in own and mine not in theirs and other in theirs and other not in own:

@@ -238,7 +238,10 @@ def _number(value: object, name: str, where: str) -> float:
             f"{where}: {name!r} is {value!r:.100}, which is not a number: use numbers, None if undefined"
             f"{CATEGORY_HINT if isinstance(value, str) else ''}"
         )
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:  # an integer of more than 300 digits
+        number = np.inf
     if np.isinf(number):
         raise InputError(f"{where}: {name!r} is infinite: use None where a value is undefined")
     return number
