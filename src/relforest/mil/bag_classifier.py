@@ -58,7 +58,7 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
     n_iter_: int = field(init=False)
     _scores_are_log_odds: ClassVar[bool] = False
 
-    def fit(self, bags: object, y: ArrayLike | None = None) -> Self:
+    def fit(self, bags: object, y: ArrayLike | None = None, **others: object) -> Self:
         """Learn from labelled bags.
 
         Parameters
@@ -67,12 +67,19 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
         y : (n_bags,) array-like
             Numbers, booleans or strings. Of two classes, the larger label is the positive class. May be
             omitted for a `relforest.datasets.BagSet`, which contains labels.
+        **others
+            Nothing: the search of this classifier counts bags, so it cannot use `sample_weight`.
 
         Raises
         ------
         InputError
-            If bags or labels are malformed, or a parameter is out of range.
+            If bags or labels are malformed, a parameter is out of range, or there are `others`.
         """
+        for name in others:
+            raise InputError(
+                f"{type(self).__name__} counts bags and cannot use {name}: repeat bags as often as they "
+                "weigh, or take a classifier with weights, such as EMDDClassifier"
+            )
         return self._learn(bags, y, None)
 
     def _learn(self, bags: object, y: ArrayLike | None, sample_weight: ArrayLike | None) -> Self:
@@ -187,7 +194,10 @@ class BagClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc] 
 class WeightedBagClassifier(BagClassifier, ABC):
     """A classifier whose training can give bags different weights."""
 
-    def fit(self, bags: object, y: ArrayLike | None = None, sample_weight: ArrayLike | None = None) -> Self:
+    # Of the "others" of the base class, it takes one.
+    def fit(  # type: ignore[override]
+        self, bags: object, y: ArrayLike | None = None, sample_weight: ArrayLike | None = None
+    ) -> Self:
         """Learn from labelled bags.
 
         Parameters

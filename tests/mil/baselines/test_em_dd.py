@@ -37,6 +37,7 @@ def test_witnesses_and_mistakes_on_a_line() -> None:
     assert witnesses(sample, hypothesis, squared).tolist() == [1, 2, 4]
     # 0.5 is inside, rightly; 0.9 outside, wrongly; 0.4 inside, wrongly.
     assert count_mistakes(sample, hypothesis, squared) == 2
+    assert count_mistakes(sample._replace(weights=np.array([9.0, 0.5, 4.0])), hypothesis, squared) == 4.5
 
 
 @pytest.mark.parametrize("start", [1, 5, 7, 9])

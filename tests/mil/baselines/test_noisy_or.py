@@ -61,6 +61,19 @@ def test_it_is_the_product_of_all_probabilities(seed: int) -> None:
     assert evaluated(bags, positive, hypothesis)[0] == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
+def test_a_bag_counts_as_often_as_it_weighs() -> None:
+    bags, positive, hypothesis = some_bags(0)
+    counts = [2, 1, 3, 1, 1, 2]
+    several = [[bag] * count for bag, count in zip(bags, counts, strict=True)]
+    repeated = evaluated(sum(several, []), np.repeat(positive, counts).tolist(), hypothesis)  # noqa: RUF017
+    gradient, slopes = np.empty_like(hypothesis), np.empty(sum(map(len, bags)))
+    weighted = sample(bags, positive)._replace(weights=np.array(counts, dtype=np.float64))
+
+    value = negative_log_density(weighted, hypothesis, gradient, slopes)
+    assert value == pytest.approx(repeated[0], rel=1e-12)
+    np.testing.assert_allclose(gradient, repeated[1], rtol=1e-9)
+
+
 # Near and far bags take different ways through the arithmetic; at 3 and 30 they meet.
 @pytest.mark.parametrize("spread", [0.05, 0.5, 1.0, 2.0, 4.0, 30.0])
 @pytest.mark.parametrize("seed", range(5))

@@ -61,7 +61,8 @@ class DiverseDensityClassifier(DensityClassifier):
     positive bag may have no positive instance.
 
     The starts are the distinct instances of the largest positive bag (or bags, in case of ties), as in Weka's
-    MIDD, with which the source compares. Features that are constant in training are ignored.
+    MIDD, with which the source compares. Features that are constant in training are ignored. With
+    `sample_weight`, a bag counts as often as it weighs.
 
     References
     ----------
@@ -72,11 +73,10 @@ class DiverseDensityClassifier(DensityClassifier):
     refined: int | None = 10
 
     def _fit(self, bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64]) -> None:
-        del weights
         max_steps = at_least("max_steps", self.max_steps, 1)
         if self.refined is not None:
             at_least("refined", self.refined, 1)
-        search = search_space(bags, positive, scale=self.scale)
+        search = search_space(bags, positive, weights, scale=self.scale)
         starts = search.starts(positive & (bags.counts == bags.counts[positive].max()))
         kept = len(starts) if self.refined is None else min(self.refined, len(starts))
         found, value = densest(search.sample, starts, kept, max_steps)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, final
 
 import numpy as np
 
-from relforest.mil.bag_classifier import InstanceClassifier
+from relforest.mil.bag_classifier import InstanceClassifier, WeightedBagClassifier
 from relforest.mil.baselines.noisy_or import Sample, as_sample, fill_squared_distances, instance_log_odds
 from relforest.mil.scaling import feature_units
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
-class DensityClassifier(InstanceClassifier, ABC):
+class DensityClassifier(WeightedBagClassifier, InstanceClassifier, ABC):
     """A classifier by the hypothesis with the greatest density; `DiverseDensityClassifier` describes it."""
 
     _scores_are_log_odds: ClassVar[bool] = True
@@ -78,10 +78,13 @@ class Search:
         return np.stack([self.shift + found[0] * widths, np.abs(found[1]) * self.factors])
 
 
-def search_space(bags: Bags, positive: NDArray[np.bool_], *, scale: bool) -> Search:
+def search_space(
+    bags: Bags, positive: NDArray[np.bool_], weights: NDArray[np.float64], *, scale: bool
+) -> Search:
     """Prepare labelled bags, dividing features by their standard deviations if `scale` is true."""
     units = feature_units(bags.points, "standard")
     varies = units.width > 0.0
     shift = np.where(varies, units.shift, bags.points[0])
     factors = units.factors if scale else np.where(varies, 1.0, 0.0)
-    return Search(as_sample((bags.points - shift) * factors, bags.starts, positive), shift, factors)
+    sample = as_sample((bags.points - shift) * factors, bags.starts, positive, weights)
+    return Search(sample, shift, factors)

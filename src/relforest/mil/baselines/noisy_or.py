@@ -5,8 +5,8 @@ A hypothesis is a centre c and scales s. An instance x is positive with probabil
     p = (1 - 1e-6) exp(-D^2),   D^2 = sum_k s_k^2 (x_k - c_k)^2,
 
 and a bag is positive with probability 1 - prod (1 - p), the noisy-or of its instances. The diverse density is
-the probability of all labels. The factor before the exponential keeps it above zero if an instance of a
-negative bag is at the centre, and has no other noticeable effect.
+the probability of all labels, each to the power of the weight of its bag. The factor before the exponential
+keeps it above zero if an instance of a negative bag is at the centre, and has no other noticeable effect.
 
 Dimensions: n points in n_bags bags, d features. A hypothesis is a (2, d) array: the centre, then the scales.
 
@@ -40,11 +40,18 @@ class Sample(NamedTuple):
     columns: NDArray[np.float64]  # (d, n), the same transposed
     starts: NDArray[np.int64]  # (n_bags + 1,) first point of each bag
     positive: NDArray[np.bool_]  # (n_bags,)
+    weights: NDArray[np.float64]  # (n_bags,) how often each bag counts
 
 
-def as_sample(points: NDArray[np.float64], starts: NDArray[np.int64], positive: NDArray[np.bool_]) -> Sample:
-    """Return points (n, d) of labelled bags in the layout of the kernels."""
-    return Sample(np.ascontiguousarray(points), np.ascontiguousarray(points.T), starts, positive)
+def as_sample(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    positive: NDArray[np.bool_],
+    weights: NDArray[np.float64] | None = None,
+) -> Sample:
+    """Return points (n, d) of labelled bags, all of weight 1 by default, in the layout of the kernels."""
+    weights = np.ones(len(positive)) if weights is None else weights
+    return Sample(np.ascontiguousarray(points), np.ascontiguousarray(points.T), starts, positive, weights)
 
 
 @kernel
@@ -89,7 +96,9 @@ def negative_log_density(
     total = 0.0
     for bag in range(len(sample.positive)):
         members = slopes[sample.starts[bag] : sample.starts[bag + 1]]
-        total += surprise_of_positive(members) if sample.positive[bag] else surprise_of_negative(members)
+        surprise = surprise_of_positive(members) if sample.positive[bag] else surprise_of_negative(members)
+        total += sample.weights[bag] * surprise
+        members *= sample.weights[bag]
     gradient[:] = 0.0
     n_features = hypothesis.shape[1]
     for j in range(len(slopes)):
