@@ -15,6 +15,7 @@ _PACKAGES: Final = (
     "concepts",
     "calibration",
     "mil_ablation",
+    "mil_folds",
     "corridor",
     "keepaway",
     "blocks",
