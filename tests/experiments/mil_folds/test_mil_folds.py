@@ -13,11 +13,11 @@ from relforest.experiments.mil_folds.analysis import mean_of, summarize
 from relforest.experiments.mil_folds.run import compute, scored
 from relforest.experiments.mil_folds.settings import FoldsSetting
 from relforest.experiments.study import Context
-from relforest.experiments.table import Table
+from relforest.experiments.table import Row, Table
 from relforest.support.errors import InputError
 
-NAMED = {"data_set": "fox", "method": "miles"}
-ROWS = [
+NAMED: Row = {"data_set": "fox", "method": "miles"}
+ROWS: list[Row] = [
     {**NAMED, "repetition": 0, "fold": 0, "balanced": 0.4, "accuracy": 0.5, "auc": 0.6, "picked": 0.7},
     {**NAMED, "repetition": 0, "fold": 1, "balanced": 0.6, "accuracy": 0.7, "auc": 0.8, "picked": 0.9},
     {**NAMED, "repetition": 1, "fold": 0, "balanced": 0.7, "accuracy": 0.8, "auc": 0.9, "picked": 0.8},
@@ -45,7 +45,7 @@ def test_spread_is_that_of_repetitions() -> None:
 
     findings = summarize(table)
     assert findings.claims[0].measured == pytest.approx(0.1)
-    assert "Fox   MILES" in str(findings)
+    assert "Fox   MILES  0.650 +- 0.212" in " ".join(str(findings).split(" " * 8))
 
 
 def test_all_methods_get_the_same_folds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
