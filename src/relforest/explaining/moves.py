@@ -84,6 +84,13 @@ def location_of(schema: Schema) -> Attribute:
     return found
 
 
+def check_plane(schema: Schema) -> None:
+    """Raise an `InputError` unless the location of objects is two-dimensional."""
+    found = location_of(schema)
+    if found.dim != 2:
+        raise InputError(f"{found.name} has {found.dim} dimensions: only scenes in the plane are drawn")
+
+
 def single(scene: Scenes) -> Scenes:
     """Return a single scene without unused rows.
 
