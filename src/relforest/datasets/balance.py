@@ -22,18 +22,11 @@ _MOST_BATCHES: Final = 1000
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """Scenes as one padded array.
+    """Scenes as one padded array."""
 
-    Attributes
-    ----------
-    objects : (m, n, width) float64, the attribute values of every object
-    counts : (m,) int64, the number of objects of a scene; the rest is padding
-    labels : (m,) bool
-    """
-
-    objects: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    labels: NDArray[np.bool_]
+    objects: NDArray[np.float64]  # (m, n, width)
+    counts: NDArray[np.int64]  # (m,)
+    labels: NDArray[np.bool_]  # (m,)
 
 
 def is_object(counts: NDArray[np.int64], n: int) -> NDArray[np.bool_]:

@@ -25,24 +25,12 @@ _N_X = 401
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Curves:
-    """What an agent has learned in a world with one variable.
+    """What an agent has learned in a world with one variable."""
 
-    Parameters
-    ----------
-    x : (n_x,) float64
-        Values of the variable.
-    q_values : (n_actions, n_x) float64
-        Value of each action type there.
-    bands : tuple of LeafBand
-        The active leaf of each tree there.
-    errors : BellmanErrors
-        Of the last batch of training examples.
-    """
-
-    x: FloatArray
-    q_values: FloatArray
-    bands: tuple[LeafBand, ...]
-    errors: BellmanErrors
+    x: FloatArray  # (n_x,) values of the variable
+    q_values: FloatArray  # (n_actions, n_x) value of each action type there
+    bands: tuple[LeafBand, ...]  # the active leaf of each tree there
+    errors: BellmanErrors  # of the last batch of training examples
 
 
 def curves(agent: SMRFRPI) -> Curves:

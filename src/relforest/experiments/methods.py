@@ -30,42 +30,24 @@ class Method:
     """A learner: everything that the rest of ``relforest learn`` must know of it.
 
     The functions are named by module and function and imported when they are called.
-
-    Parameters
-    ----------
-    title : str
-        Its name in messages.
-    settings : str, optional
-        Where `relforest.experiments.run_config.RunConfig` and the command line have its settings.
-    others : tuple of str
-        Further options of `RunConfig` that belong to it.
-    make : callable
-        Turns a task, options, the numbers of training and test episodes per iteration, the seed of a run and
-        a number of threads into the learner.
-    manifest : callable
-        Turns a task and options into what ``run.json`` says of them.
-    report : str, optional
-        The function that tells what the folder of a run holds. Without one, there are only rewards to tell.
-    policy : str
-        The function that turns the folder of a run and an environment into a policy.
-    mark : str
-        The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`.
-    needs : str, optional
-        The package that it learns with and that the extra ``bench`` installs.
-    needs_source : bool
-        Whether it must begin with another run.
     """
 
-    title: str
+    title: str  # its name in messages
     settings: str | None
-    others: tuple[str, ...]
+    """Where `relforest.experiments.run_config.RunConfig` and the command line have its settings."""
+    others: tuple[str, ...]  # further options of `RunConfig` that belong to it
     make: Callable[[Task, Options, tuple[int, int], np.random.SeedSequence, int], Learner[Any]]
+    """Turns a task, options, the numbers of training and test episodes per iteration, the seed of a run and a
+    number of threads into the learner."""
     manifest: Callable[[Task, Options], dict[str, Any]]
+    """Turns a task and options into what ``run.json`` says of them."""
     report: str | None
-    policy: str
+    """The function that tells what the folder of a run holds. Without one, there are only rewards to tell."""
+    policy: str  # the function that turns the folder of a run and an environment into a policy
     mark: str
-    needs: str | None = None
-    needs_source: bool = False
+    """The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`."""
+    needs: str | None = None  # the package that it learns with and that the extra ``bench`` installs
+    needs_source: bool = False  # whether it must begin with another run
 
     @property
     def options(self) -> tuple[str, ...]:

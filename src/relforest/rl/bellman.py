@@ -20,22 +20,13 @@ from relforest.scenes.arrays import FloatArray, IntArray
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Lookahead:
-    """The predictions of an action-value function for a set of transitions.
+    """The predictions of an action-value function for a set of transitions."""
 
-    Parameters
-    ----------
-    values : (n,) float64
-        Q(s, a) of the observed pairs.
-    chosen : (n,) int64
-        The greedy action in s': its position among all candidates of the transitions, -1 where nothing
-        follows. Of equal values, the first wins.
-    errors : (n,) float64
-        The Bellman errors ``r + discount * max Q(s', a') - Q(s, a)``.
-    """
-
-    values: FloatArray
+    values: FloatArray  # (n,) Q(s, a) of the observed pairs
     chosen: IntArray
-    errors: FloatArray
+    """(n,): the greedy action in s': its position among all candidates of the transitions, -1 where nothing
+    follows. Of equal values, the first wins."""
+    errors: FloatArray  # (n,) the Bellman errors ``r + discount * max Q(s', a') - Q(s, a)``
 
     @property
     def squared_error(self) -> float:

@@ -35,21 +35,11 @@ _SCENES, _GROWTH = 0, 1
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """A tree that may join the forest of an action type.
+    """A tree that may join the forest of an action type."""
 
-    Parameters
-    ----------
-    growth : Growth
-        The tree, not a stub, and how it came about.
-    columns : (m, k) float64
-        Its features of all state-action pairs of the type.
-    fit : Fit, optional
-        How well LSPI fits with the tree; None if candidates are not tested.
-    """
-
-    growth: Growth
-    columns: FloatArray
-    fit: Fit | None
+    growth: Growth  # the tree, not a stub, and how it came about
+    columns: FloatArray  # (m, k) its features of all state-action pairs of the type
+    fit: Fit | None  # how well LSPI fits with the tree; None if candidates are not tested
 
     @property
     def tree(self) -> Tree:

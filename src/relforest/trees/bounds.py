@@ -21,19 +21,12 @@ _MOST: Final = 3
 @final
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """An interval of one coordinate; an end that is infinite says nothing.
+    """An interval of one coordinate; an end that is infinite says nothing."""
 
-    Parameters
-    ----------
-    axis : int
-        The coordinate, from 0.
-    low, high : float
-        In the units of the mapping, rounded as they should be said.
-    """
-
-    axis: int
+    axis: int  # the coordinate, from 0
     low: float
     high: float
+    """In the units of the mapping, rounded as they should be said."""
 
 
 def needed_bounds(volume: Volume, points: NDArray[np.float64]) -> tuple[Bounds, ...]:

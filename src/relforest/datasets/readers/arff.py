@@ -29,21 +29,11 @@ from relforest.support.errors import InputError
 @final
 @dataclass(frozen=True, slots=True)
 class BagRelation:
-    """The declarations in the head of a multi-instance ARFF file.
+    """The declarations in the head of a multi-instance ARFF file."""
 
-    Attributes
-    ----------
-    name : Attribute
-        The identifier, the first attribute of a bag.
-    features : tuple of Attribute
-        The attributes of an instance, numeric or nominal.
-    label : Attribute
-        The class, the last attribute of a bag.
-    """
-
-    name: Attribute
-    features: tuple[Attribute, ...]
-    label: Attribute
+    name: Attribute  # the identifier, the first attribute of a bag
+    features: tuple[Attribute, ...]  # the attributes of an instance, numeric or nominal
+    label: Attribute  # the class, the last attribute of a bag
 
 
 def read_arff(path: Source, *, positive: str | None = None, encoding: str | None = None) -> BagSet:

@@ -42,42 +42,25 @@ _DRAWS, _FOLDS, _TUNING = 0, 1, 2
 @final
 @dataclass(frozen=True, slots=True)
 class Synthetic:
-    """A data set that can be drawn any number of times.
+    """A data set that can be drawn any number of times."""
 
-    Parameters
-    ----------
-    title : str
-        As tables have it.
-    key : int
-        Its number in the names of random streams; never given to another one.
-    draw : callable
-        Draws the given number of bags.
-    draw_test : callable, optional
-        Draws test bags, if their distribution is another one than that of training bags.
-    """
-
-    title: str
-    key: int
-    draw: Callable[[np.random.Generator, int], BagSet]
+    title: str  # as tables have it
+    key: int  # its number in the names of random streams; never given to another one
+    draw: Callable[[np.random.Generator, int], BagSet]  # draws the given number of bags
     draw_test: Callable[[np.random.Generator, int], BagSet] | None = None
+    """Draws test bags, if their distribution is another one than that of training bags."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Standard:
-    """A data set that exists once.
-
-    Parameters
-    ----------
-    title, key
-        As of a synthetic one.
-    fetch : callable
-        Reads the bags, or raises a `DataError`: a `MissingDataError` if the file is missing.
-    """
+    """A data set that exists once."""
 
     title: str
     key: int
+    """As of a synthetic one."""
     fetch: Callable[[], BagSet]
+    """Reads the bags, or raises a `DataError`: a `MissingDataError` if the file is missing."""
 
 
 DataSet: TypeAlias = Synthetic | Standard

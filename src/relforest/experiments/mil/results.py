@@ -18,25 +18,14 @@ from relforest.metrics import SampleMoments, sidak_level, two_sample_p_value
 @final
 @dataclass(frozen=True, slots=True)
 class Result:
-    """One method on one data set.
-
-    Parameters
-    ----------
-    scores, times : tuple of float
-        Peirce skill scores and CPU seconds of the folds that were done.
-    peak_bytes : int
-        The largest memory of its processes.
-    is_stopped : bool
-        Whether a fold took too long.
-    facts : mapping
-        The chosen parameters and the size of the data; unknown ones are None.
-    """
+    """One method on one data set."""
 
     scores: tuple[float, ...]
     times: tuple[float, ...]
-    peak_bytes: int
-    is_stopped: bool
-    facts: Mapping[str, Cell]
+    """Peirce skill scores and CPU seconds of the folds that were done."""
+    peak_bytes: int  # the largest memory of its processes
+    is_stopped: bool  # whether a fold took too long
+    facts: Mapping[str, Cell]  # the chosen parameters and the size of the data; unknown ones are None
 
     @property
     def skill(self) -> SampleMoments | None:
@@ -55,15 +44,9 @@ _FACTS = ("C", "gamma_factor", "n_bags", "n_positive", "n_instances", "n_feature
 @final
 @dataclass(frozen=True, slots=True)
 class Results:
-    """All that was measured.
+    """All that was measured."""
 
-    Parameters
-    ----------
-    by_cell : mapping
-        Name of the data set and of the method -> result.
-    """
-
-    by_cell: Mapping[tuple[str, str], Result]
+    by_cell: Mapping[tuple[str, str], Result]  # name of the data set and of the method -> result
 
     @classmethod
     def of(cls, table: Table) -> Results:
@@ -125,26 +108,16 @@ def mark(ours: SampleMoments | None, other: SampleMoments | None, *, is_cost: bo
 @final
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A method over the data sets that it was tried on.
-
-    Parameters
-    ----------
-    n_data_sets, n_stopped : int
-        On how many it was tried, and stopped.
-    with_zeros : float
-        Mean score with 0 for those where it was stopped; NaN if it was tried on none.
-    of_finished : float
-        Mean score over those it finished; NaN if there is none.
-    improved_with_zeros, improved_on_finished : float
-        The improved method's mean score over the same data sets; NaN if it was not tried on one of them.
-    """
+    """A method over the data sets that it was tried on."""
 
     n_data_sets: int
     n_stopped: int
-    with_zeros: float
-    of_finished: float
+    """On how many it was tried, and stopped."""
+    with_zeros: float  # mean score with 0 for those where it was stopped; NaN if it was tried on none
+    of_finished: float  # mean score over those it finished; NaN if there is none
     improved_with_zeros: float
     improved_on_finished: float
+    """The improved method's mean score over the same data sets; NaN if it was not tried on one of them."""
 
     @property
     def lead(self) -> float:
