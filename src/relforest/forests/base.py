@@ -12,12 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests.descriptions import MOST_QUESTIONS, ensemble_in_words
 from relforest.forests.ensemble import Ensemble
-from relforest.forests.explanations import (
-    Importance,
-    ScoreExplanation,
-    explain_scores,
-    importances,
-)
+from relforest.forests.explanations import Importance, ScoreExplanation, explain_scores, importances
 from relforest.forests.settings import GrowthSettings
 from relforest.forests.shares import logistic_shares
 from relforest.forests.tables import ConditionTable, searched_tables

@@ -15,13 +15,7 @@ from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets
 from relforest.forests.losses import Logistic
-from relforest.forests.rule_sets import (
-    Pool,
-    RuleSet,
-    RuleSetSettings,
-    choose_rule_sets,
-    rule_pool,
-)
+from relforest.forests.rule_sets import Pool, RuleSet, RuleSetSettings, choose_rule_sets, rule_pool
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
 from relforest.support.errors import InputError

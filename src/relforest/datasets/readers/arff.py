@@ -15,13 +15,7 @@ from numpy.typing import NDArray
 
 from relforest.datasets.bag_set import BagSet
 from relforest.datasets.readers.arff_lines import Attribute, parse_attribute, split_fields, split_statement
-from relforest.datasets.readers.fields import (
-    FieldError,
-    at_line,
-    number,
-    positive_labels,
-    split_lines,
-)
+from relforest.datasets.readers.fields import FieldError, at_line, number, positive_labels, split_lines
 from relforest.scenes.sources import Source, name_of, read_text
 from relforest.support.errors import InputError
 

@@ -16,14 +16,7 @@ from relforest.experiments.mil.data import (
     Standard,
     Synthetic,
 )
-from relforest.experiments.mil.methods import (
-    BAG_MARGIN,
-    COVAGG,
-    DD,
-    EM_DD,
-    INSTANCE_MARGIN,
-    METHODS,
-)
+from relforest.experiments.mil.methods import BAG_MARGIN, COVAGG, DD, EM_DD, INSTANCE_MARGIN, METHODS
 
 
 @final
