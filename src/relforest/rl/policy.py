@@ -100,6 +100,10 @@ class GreedyPolicy:
 
     value: ActionValues  # the action values Q(s, a)
 
+    def values(self, decision: Decision) -> FloatArray:
+        """Return the values of all actions, (n_actions,)."""
+        return self.value.values(decision)
+
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
         values = self.value.values(decision)
