@@ -38,14 +38,7 @@ def is_object(counts: NDArray[np.int64], n: int) -> NDArray[np.bool_]:
 def balanced(rng: np.random.Generator, n_scenes: int, draw: Callable[[int], Candidates]) -> Candidates:
     """Draw candidates until ``n_scenes // 2`` are positive and the others negative; their order is random.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the order.
-    n_scenes : int
-        Number of scenes, at least 2.
-    draw : callable
-        Returns the given number of candidates, all with the same padding.
+    A call of `draw` returns the given number of candidates, all with the same padding.
 
     Raises
     ------

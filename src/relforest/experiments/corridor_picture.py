@@ -61,11 +61,6 @@ def q_function_picture(folder: Path, env: Environment) -> Figure:
 def q_function_figure(agent: SMRFRPI) -> Figure:
     """Draw what an agent learned in the corridor: Q values, Bellman errors of the last batch, active leaves.
 
-    Parameters
-    ----------
-    agent : SMRFRPI
-        As for `curves`.
-
     References
     ----------
     Palmer (2015), Figure 7.1.

@@ -84,12 +84,7 @@ def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> De
 def renewed(team: Team, random_state: RandomState = None, *, learn: bool) -> Team:
     """Return agents with copies of the weights, shared as before, and new traces and random streams.
 
-    Parameters
-    ----------
-    team : sequence of SarsaLambda
-    random_state : int, SeedSequence, Generator or None
-    learn : bool
-        Whether they learn; otherwise they always take a best action.
+    Those that do not `learn` always take a best action.
     """
     seed, weights = seed_sequence(random_state), {id(agent.weights): agent.weights.copy() for agent in team}
     return [
@@ -112,15 +107,7 @@ def play_episodes_with(
     As in the benchmark, an agent's reward is the number of cycles since it last had the ball in reach, and
     nothing is discounted. The cycles in which it merely finishes a pass are therefore not credited.
 
-    Parameters
-    ----------
-    team : sequence of SarsaLambda
-        One agent per keeper.
-    options : KeepawayOptions
-    episodes : int
-        How many, at least 1.
-    seed : SeedSequence
-        Of the games; the agents have random streams of their own.
+    There is one agent per keeper, with a random stream of its own; the seed is that of the games.
 
     Returns
     -------

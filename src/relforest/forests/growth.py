@@ -61,16 +61,7 @@ def grow_tree(
 ) -> GrownTree:
     """Grow a tree whose leaves say which Newton step lowers the loss most.
 
-    Parameters
-    ----------
-    tables : tuple of ConditionTable
-    scenes : (n,) int64
-        The scenes to learn from.
-    targets : Targets
-        First and second derivatives of the loss, for all scenes of the tables.
-    settings : GrowthSettings
-    rng : Generator
-        Decides what is tried.
+    It is learned from some scenes (n,); the targets are derivatives of the loss for all scenes of the tables.
 
     Notes
     -----

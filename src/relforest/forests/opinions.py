@@ -117,11 +117,7 @@ def opinions_of_conditions(
 def opinions_of_smrf_trees(known: Labelled, forest: SMRFForestClassifier) -> Opinions:
     """Learn a forest of SMRF trees, half of them for negated labels; the probability of each is a column.
 
-    Parameters
-    ----------
-    known : Labelled
-    forest : SMRFForestClassifier
-        With SMRF trees; it is fitted.
+    The forest is fitted.
 
     Notes
     -----

@@ -62,14 +62,6 @@ def question_measures(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> tuple[F
     Time grows exponentially with the number of variables that later questions on a branch ask about again,
     memory does not. The call can be interrupted (Ctrl-C) at any time.
 
-    Parameters
-    ----------
-    tree : Tree
-    scenes : Scenes
-        n scenes of its schema.
-    n_jobs : int
-        Number of threads.
-
     Returns
     -------
     margins : ndarray

@@ -94,12 +94,7 @@ def statement_to_dict(statement: Statement) -> dict[str, Any]:
 def statement_from_dict(document: Any, schema: Schema, n_bound: int) -> Statement:  # noqa: ANN401
     """Read what `statement_to_dict` returned.
 
-    Parameters
-    ----------
-    document : object
-    schema : Schema
-    n_bound : int
-        Number of arguments and free variables.
+    There are `n_bound` arguments and free variables.
 
     Raises
     ------

@@ -31,13 +31,7 @@ class TreePath:
 
 
 def tree_path(tree: Tree, scene: Scenes) -> TreePath:
-    """Follow one scene through a tree.
-
-    Parameters
-    ----------
-    tree : Tree
-    scene : Scenes
-        A single scene with the schema of the tree.
+    """Follow a single scene with the schema of the tree through it.
 
     Raises
     ------

@@ -39,13 +39,7 @@ def look_ahead(
 ) -> Lookahead:
     """Evaluate a linear action-value function and its greedy policy on transitions.
 
-    Parameters
-    ----------
-    features : sequence of (m_a, k_a) float64
-        For each action type the features of its state-action pairs.
-    weights : sequence of (k_a,) float64
-        For each action type the weights.
-    transitions : Transitions
+    For each action type there are the features of its state-action pairs, (m_a, k_a), and weights, (k_a,).
 
     References
     ----------
@@ -69,12 +63,7 @@ def look_ahead_at(table: Sequence[FloatArray], transitions: Transitions) -> Look
 def error_labels(errors: FloatArray, types: IntArray) -> BoolArray:
     """Label each transition True if its error exceeds the mean error of its action type.
 
-    Parameters
-    ----------
-    errors : (n,) float64
-        Bellman errors.
-    types : (n,) int64
-        Action types of the transitions.
+    Errors and action types are (n,).
 
     Returns
     -------

@@ -104,8 +104,7 @@ class Experience:
         Parameters
         ----------
         arrays : mapping
-            The `COLUMNS` by name. `OPTIONAL_COLUMNS` may be missing: without `private` no object is private,
-            as in batches written before there were such objects; without `remaining` no state has a limit.
+            The `COLUMNS` by name; without those of `OPTIONAL_COLUMNS`, `remaining`, no state has a limit.
         origin : str
             Where the arrays come from, for error messages.
 
@@ -117,9 +116,7 @@ class Experience:
         missing = [name for name in COLUMNS if name not in arrays and name not in OPTIONAL_COLUMNS]
         if missing:
             raise ModelFormatError(f"{origin} is not a batch of experience: {', '.join(missing)} missing")
-        n_states = max(arrays["objects"].size - 1, 0)
-        private, remaining = np.zeros(n_states, np.int64), np.full(n_states, NO_LIMIT)
-        columns = {"private": private, "remaining": remaining} | dict(arrays)
+        columns = {"remaining": np.full(max(arrays["objects"].size - 1, 0), NO_LIMIT)} | dict(arrays)
         try:
             return cls(**{name: columns[name] for name in COLUMNS})
         except InputError as error:
@@ -176,7 +173,7 @@ def latest(batches: Sequence[Experience], most: int) -> Sequence[Experience]:
 COLUMNS = tuple(field.name for field in fields(Experience))
 """Names of the columns of `Experience`, in order."""
 
-OPTIONAL_COLUMNS = ("private", "remaining")
+OPTIONAL_COLUMNS = ("remaining",)
 """Columns that may be missing from a file, see `Experience.from_arrays`."""
 
 _LAYOUT: dict[str, tuple[type[Any], int]] = {

@@ -36,13 +36,8 @@ class LSPIResult:
 def lspi(problem: LSTDQ, weights: Sequence[FloatArray], settings: LSPISettings | None = None) -> LSPIResult:
     """Learn the weights of a greedy policy.
 
-    Parameters
-    ----------
-    problem : LSTDQ
-        That of any policy.
-    weights : sequence of (k_a,) float64
-        Initial weights: their greedy policy is evaluated first.
-    settings : LSPISettings, optional
+    The problem may be that of any policy. The policy that is evaluated first is greedy for the initial
+    weights, (k_a,) for each action type.
 
     References
     ----------

@@ -78,16 +78,8 @@ def improve(
 ) -> ValueFunction:
     """Run rounds until no tree is added.
 
-    Parameters
-    ----------
-    value : ValueFunction
-        The representation and the policy so far.
-    samples : Samples
-    settings : RPISettings
-    seed : numpy.random.SeedSequence
-        Every candidate has its own stream, named by round, action type and attempt.
-    n_jobs : int
-        Candidates learned at the same time, in threads; the result does not depend on it.
+    Every candidate has its own random stream, named by round, action type and attempt, so that the result
+    does not depend on how many are learned at the same time.
 
     Returns
     -------

@@ -32,11 +32,7 @@ class Bounds:
 def needed_bounds(volume: Volume, points: NDArray[np.float64]) -> tuple[Bounds, ...]:
     """Return bounds of coordinates that divide the points like the volume, if a part of it divides none.
 
-    Parameters
-    ----------
-    volume : Volume
-    points : (n, d) float64
-        Those that a question was asked about when it was learned.
+    The points (n, d) are those that a question was asked about when it was learned.
 
     Returns
     -------

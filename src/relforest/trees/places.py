@@ -57,14 +57,8 @@ def place(mapping: Mapping, volume: Volume, names: list[str], bounds: tuple[Boun
 
     Left and right are meant as on a map: the first coordinate grows to the right, the second upwards.
 
-    Parameters
-    ----------
-    mapping : Mapping
-    volume : Volume
-    names : list of str
-        Names of the variables that the mapping takes.
-    bounds : tuple of Bounds
-        The bounds that matter, if not all of them do; of a slab, always.
+    The mapping takes the variables with these names. Bounds are those that matter, if not all of them do; of
+    a slab, always.
 
     Returns
     -------

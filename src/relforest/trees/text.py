@@ -104,11 +104,7 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, other: str | None = "LA
 def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
     """Return what to do about a tree that predicts one class only; empty for any other tree.
 
-    Parameters
-    ----------
-    nodes : tuple of Node
-    other : str
-        The label of the other class.
+    The label of the other class is `other`.
     """
     prediction = _sole_prediction(nodes)
     if prediction is None:

@@ -144,14 +144,8 @@ study and that of ``mil_ablation`` for what was known of these.
 def splitter(data_set: DataSet, *, seed: int, n_bags: int) -> Callable[[int], Split]:
     """Return a function from the number of a fold to its bags, the same for all methods.
 
-    Parameters
-    ----------
-    data_set : DataSet
-    seed : int
-        The seed of the study.
-    n_bags : int
-        Bags in each training and test set of a synthetic data set; a fold of a standard one is one of
-        `N_FOLDS` parts.
+    Of a synthetic data set, `n_bags` are drawn for each training and test set; a fold of a standard one is
+    one of `N_FOLDS` parts.
     """
     if isinstance(data_set, Synthetic):
         draws = stream(seed_sequence(seed), _DRAWS, data_set.key)
@@ -177,12 +171,6 @@ def tuning_splits(data_set: Synthetic, *, seed: int, n_bags: int, count: int) ->
 
 def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Deal bags out at random to parts of nearly equal size with nearly equal shares of positives.
-
-    Parameters
-    ----------
-    labels : (n_bags,) bool
-    n_parts : int
-    rng : numpy.random.Generator
 
     Returns
     -------

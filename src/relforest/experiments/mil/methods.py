@@ -40,12 +40,7 @@ class Method:
     def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> BagClassifier:
         """Make a learner that has not learned anything.
 
-        Parameters
-        ----------
-        seed : numpy.random.SeedSequence
-            Its random stream.
-        parameters : mapping of str to float
-            What differs from the defaults.
+        The parameters are those that differ from the defaults.
         """
         learner = self.estimator(**parameters)
         if "random_state" in learner.get_params():

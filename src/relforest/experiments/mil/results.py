@@ -128,15 +128,7 @@ class Mean:
 
 
 def means(results: Results, method: str, among: Collection[str] = COMPARED) -> Mean:
-    """Return the means of a method over the data sets it was tried on.
-
-    Parameters
-    ----------
-    results : Results
-    method : str
-    among : collection of str
-        Only of these data sets.
-    """
+    """Return the means of a method over the data sets it was tried on, as far as they are `among` these."""
     tried = [name for name in results.data_sets if name in among and results.get(name, method) is not None]
     own, other = (np.array([results.mean(name, one) for name in tried]) for one in (method, IMPROVED))
     finished = ~np.isnan(own)

@@ -142,10 +142,8 @@ def tried(setting: MilSetting, seed: int, parameters: Parameters) -> float | Non
 def grid_points(step: int) -> tuple[dict[str, float], ...]:
     """Return points of the source's grid, those with values nearest to the constant parameters first.
 
-    Parameters
-    ----------
-    step : int
-        1 for the whole grid of `svm_grid`; k for every k-th power, counted from the constant parameters.
+    A `step` of 1 gives the whole grid of `svm_grid`, k every k-th power, counted from the constant
+    parameters.
     """
     axes = svm_grid("full")
     costs = _every(axes["C"], 10, step)

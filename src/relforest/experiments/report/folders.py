@@ -16,14 +16,8 @@ from relforest.support.errors import InputError
 def section_of(folder: Path, *, episodes: int = 2, seed: int = 0) -> Section:
     """Return what was found in a folder.
 
-    Parameters
-    ----------
-    folder : path
-        Of ``relforest experiment`` or ``relforest learn``.
-    episodes : int
-        How many are played with a learned policy.
-    seed : int
-        Of these episodes.
+    It is one of ``relforest experiment`` or ``relforest learn``; with a learned policy, some episodes are
+    played.
 
     Raises
     ------

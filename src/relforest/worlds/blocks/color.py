@@ -22,10 +22,7 @@ _Floats = NDArray[np.float64]
 def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
     """Return the CIEDE2000 difference of colors given as CIE Lab, with all weights 1.
 
-    Parameters
-    ----------
-    one, other : (..., 3) array
-        Lab coordinates; the leading dimensions are broadcast.
+    Lab coordinates are (..., 3), and their leading dimensions are broadcast.
 
     Returns
     -------

@@ -18,12 +18,7 @@ def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.in
     it is, whether or not they touch; stacks are what links connect. That links work both ways and heights do
     not matter is a reading of Palmer (2015), section 7.4.2.
 
-    Parameters
-    ----------
-    x : (n,) float64
-        Midpoints.
-    bounds : (n, 4) float64
-        Bounding boxes: min x, max x, min y, max y.
+    Blocks have midpoints (n,) and bounding boxes (n, 4): min x, max x, min y, max y.
 
     Returns
     -------
