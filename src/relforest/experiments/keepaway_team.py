@@ -48,17 +48,7 @@ def benchmark_team(
     Bells stand a quarter of the benchmark's tile apart and have that as their standard deviation, so that a
     value is learned for about the same surroundings as with tiles.
 
-    Parameters
-    ----------
-    options : KeepawayOptions
-        The rules of the game.
-    settings : SarsaSettings, optional
-        Default: those of the benchmark.
-    kind : {"tiles", "bells"}
-        The features, see `relforest.rl.baselines.TileCoding`.
-    shared : bool
-        Whether all learn from everyone's experience (Palmer (2015), section 7.5.2).
-    random_state : int, SeedSequence, Generator or None
+    With `shared`, all learn from everyone's experience (Palmer (2015), section 7.5.2).
 
     References
     ----------

@@ -108,13 +108,8 @@ LearnedPolicy: TypeAlias = TeamPolicy | AgentPolicy | GreedyPolicy
 def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> LearnedPolicy:
     """Return the policy of a run folder of ``relforest learn``.
 
-    Parameters
-    ----------
-    folder : path
-        Of a single run.
-    env : gymnasium.Env
-        The world to play in. Relational policies play any world with the attributes and action types that
-        they were learned with; the others play keepaway, with as many players as they were learned with.
+    The run is a single one. Relational policies play any world with the attributes and action types that they
+    were learned with; the others play keepaway, with as many players as they were learned with.
 
     Raises
     ------

@@ -175,15 +175,8 @@ def on_variables(
 ) -> Evaluate:
     """Turn a policy on the state variables of the benchmark into one for `policy_map_figure`.
 
-    Parameters
-    ----------
-    function : callable
-        Maps the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
-        (keepers,).
-    keepers : int
-        Number of keepers.
-    actor : int
-        The keeper with the ball; the ball is assumed to be at its position.
+    It maps the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
+    (keepers,). The ball is assumed to be at the actor, the keeper that has it.
     """
 
     def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -67,18 +67,9 @@ def draw_samples(
 ) -> Samples:
     """Choose the transitions of one iteration.
 
-    Parameters
-    ----------
-    batches : sequence of Experience
-        All experience so far, the latest batch last.
-    schemas : sequence of Schema
-        For each action type the world's attributes with the parameters of that type.
-    discount : float
-        Discount factor per unit of duration.
-    max_samples, bootstrap_on_truncation
-        As in `relforest.rl.settings.RPISettings`; transitions are drawn without replacement from all batches.
-    seed : numpy.random.SeedSequence
-        The random stream for this draw.
+    The latest batch is the last one. For each action type, the schema has the attributes of the world and the
+    parameters of the type. Transitions are drawn without replacement from all batches; see
+    `relforest.rl.settings.RPISettings` for `max_samples` and `bootstrap_on_truncation`.
 
     References
     ----------

@@ -73,15 +73,8 @@ def grow_best(
 ) -> Growth:
     """Learn a tree for each of several targets that state the same facts; return the one that explains most.
 
-    Parameters
-    ----------
-    scenes : Scenes
-    targets : sequence of Target
-        Such as a number of which the highest leaf decides, and the same number with the lowest one.
-    rng : Generator
-        Source of all sampling.
-    settings : TreeSettings
-        Each tree has its share of the level `alpha`.
+    Targets are, for example, a number of which the highest leaf decides, and the same number with the lowest
+    one. Each tree has its share of the level `alpha`.
 
     Raises
     ------
