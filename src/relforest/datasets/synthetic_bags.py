@@ -98,11 +98,6 @@ def plant(rng: np.random.Generator, positives: NDArray[np.float64], bags: NDArra
     There is a positive point (n_bags, d) for every bag, used in the positive ones; bags (n_bags, size, d) are
     negative points, of which one in each positive bag is overwritten.
 
-    Returns
-    -------
-    BagSet
-        ``n_bags // 2`` of the bags are positive.
-
     References
     ----------
     Palmer (2015), section 3.3.1.

@@ -36,10 +36,7 @@ class Curves:
 def curves(agent: SMRFRPI) -> Curves:
     """Return what an agent learned in the corridor.
 
-    Parameters
-    ----------
-    agent : SMRFRPI
-        Has learned for at least one iteration in a world with one object and one 1-D attribute from 0 to 1.
+    It has learned for at least one iteration in a world with one object and one 1-D attribute from 0 to 1.
     """
     x = np.linspace(0.0, 1.0, _N_X)
     value = agent.value_

@@ -99,10 +99,7 @@ def play_episodes_with(
 
     There is one agent per keeper, with a random stream of its own; the seed is that of the games.
 
-    Returns
-    -------
-    (episodes,) int64
-        Durations in cycles.
+    Return durations in cycles, (episodes,).
 
     Raises
     ------

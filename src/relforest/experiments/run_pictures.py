@@ -20,10 +20,7 @@ def draw_runs(config: RunConfig, out: Path) -> list[Path]:
 
     Every run in the folder `out` has been learned.
 
-    Returns
-    -------
-    list of path
-        The pictures, which stand in `out`; those newer than the runs are left as they are.
+    Return the pictures, which stand in `out`; those newer than the runs are left as they are.
 
     References
     ----------

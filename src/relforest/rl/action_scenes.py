@@ -17,10 +17,7 @@ def action_scenes(experience: Experience | Decisions, candidates: IntArray, sche
 
     The candidates (m,) are all of one action type, whose parameters the schema has.
 
-    Returns
-    -------
-    Scenes
-        m scenes that share the rows of the experience's matrix; no object is copied.
+    The m scenes share the rows of the experience's matrix; no object is copied.
 
     References
     ----------

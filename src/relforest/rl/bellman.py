@@ -65,10 +65,7 @@ def error_labels(errors: FloatArray, types: IntArray) -> BoolArray:
 
     Errors and action types are (n,).
 
-    Returns
-    -------
-    (n,) bool
-        All False for a type whose errors are equal.
+    For a type whose errors are equal, all are False.
 
     References
     ----------

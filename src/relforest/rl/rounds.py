@@ -81,10 +81,7 @@ def improve(
     Every candidate has its own random stream, named by round, action type and attempt, so that the result
     does not depend on how many are learned at the same time.
 
-    Returns
-    -------
-    ValueFunction
-        At most one tree more per action type and round, with the weights of the last policy.
+    There is at most one tree more per action type and round, with the weights of the last policy.
 
     References
     ----------

@@ -34,11 +34,8 @@ def needed_bounds(volume: Volume, points: NDArray[np.float64]) -> tuple[Bounds, 
 
     The points (n, d) are those that a question was asked about when it was learned.
 
-    Returns
-    -------
-    tuple of Bounds
-        At most three ends in all and fewer than the volume has, by coordinate. Empty if there are no such
-        bounds: then the whole volume counts. So it does on the circle, where both ends bound the same gap.
+    There are at most three ends in all and fewer than the volume has, by coordinate; none if there are no
+    such bounds: then the whole volume counts. So it does on the circle, where both ends bound the same gap.
     """
     if isinstance(volume, Arc):
         return ()

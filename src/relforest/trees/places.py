@@ -60,10 +60,8 @@ def place(mapping: Mapping, volume: Volume, names: list[str], bounds: tuple[Boun
     The mapping takes the variables with these names. Bounds are those that matter, if not all of them do; of
     a slab, always.
 
-    Returns
-    -------
-    str
-        Such as ``"around the middle of the way from A to B"``; empty if there is nothing true to say.
+    The text is such as ``"around the middle of the way from A to B"``; it is empty if there is nothing true
+    to say.
     """
     if mapping.attribute.role != "location" or isinstance(volume, Arc) or volume.dim not in {2, 3}:
         return ""

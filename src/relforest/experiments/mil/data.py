@@ -172,10 +172,8 @@ def tuning_splits(data_set: Synthetic, *, seed: int, n_bags: int, count: int) ->
 def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Deal bags out at random to parts of nearly equal size with nearly equal shares of positives.
 
-    Returns
-    -------
-    (n_bags,) int64
-        The part of each bag: counts of parts differ by at most one, of either class and in total.
+    Return the part of each bag, (n_bags,): counts of parts differ by at most one, of either class and in
+    total.
     """
     order = np.concatenate([rng.permutation(np.flatnonzero(labels == label)) for label in (True, False)])
     parts = np.empty(len(labels), dtype=np.int64)

@@ -77,19 +77,16 @@ class Results:
 def mark(ours: SampleMoments | None, other: SampleMoments | None, *, is_cost: bool = False) -> str:
     """Return the sign of a significant difference between covariant aggregation and another method.
 
+    Return ``">"`` if ours is more, ``"<"`` if it is less, empty if the difference is not significant: in a
+    two-tailed two-sample t-test at the level .05 where the other is better, and at the level corrected by
+    Sidak for the number of comparisons where ours is.
+
     Parameters
     ----------
     ours, other : SampleMoments or None
         Of covariant aggregation and of the other method; None for one that was stopped.
     is_cost : bool
         Whether less is better.
-
-    Returns
-    -------
-    str
-        ``">"`` if ours is more, ``"<"`` if it is less, empty if the difference is not significant: in a
-        two-tailed two-sample t-test at the level .05 where the other is better, and at the level corrected
-        by Sidak for the number of comparisons where ours is.
 
     References
     ----------

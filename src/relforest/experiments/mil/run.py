@@ -77,10 +77,7 @@ def compute(setting: MilSetting, context: Context) -> list[Row]:
 def measured(setting: MilSetting, seed: int, parameters: Parameters) -> dict[str, Cell] | None:
     """Learn from a fold and predict it, after a first small problem: its score, time and size.
 
-    Returns
-    -------
-    dict or None
-        None if it took longer than allowed; then this process may as well have ended.
+    Return None if it took longer than allowed; then this process may as well have ended.
     """
     data_set, method = DATA_SETS[setting.data_set], METHODS[setting.method]
     split = splitter(data_set, seed=seed, n_bags=setting.n_bags)(setting.fold)

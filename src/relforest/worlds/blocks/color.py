@@ -24,10 +24,7 @@ def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
 
     Lab coordinates are (..., 3), and their leading dimensions are broadcast.
 
-    Returns
-    -------
-    (...) float64
-        At least 0; 1 is about what can just be seen. It is symmetric but not a metric.
+    The difference is at least 0; 1 is about what can just be seen. It is symmetric but not a metric.
 
     References
     ----------
