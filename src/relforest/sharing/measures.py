@@ -30,7 +30,7 @@ class Notation:
     sqrt: str
     absolute: str
     atan2: str
-    """Functions, to be filled with their arguments."""
+    """These three are functions, to be filled with their arguments."""
     where: str  # the second argument where the first is positive, else undefined
     undefined: str  # whether the argument is undefined
     number: str = "{}"  # a number from its shortest digits

@@ -115,7 +115,7 @@ class Screened:
     settings: TreeSettings
     n_left_out: int
     n_sampled: int
-    """See `Exhaustive`."""
+    """Both as of `Exhaustive`."""
     rounds: tuple[Round, ...] = ROUNDS
     """The first ones are left out where there are no more questions than they would keep. The last should see
     all pairs of objects of ordinary scenes: a sample of them misses what few pairs show, such as that two

@@ -58,7 +58,7 @@ class Standard:
 
     title: str
     key: int
-    """As of a synthetic one."""
+    """Both as of a synthetic one."""
     fetch: Callable[[], BagSet]
     """Reads the bags, or raises a `DataError`: a `MissingDataError` if the file is missing."""
 

@@ -20,11 +20,11 @@ class ResumeSetting:
     title: str  # a few words
     runs: int
     jobs: int
-    """Options of ``relforest learn``."""
+    """Both are options of ``relforest learn``."""
     resumed_jobs: int  # the same for the restarts
     episodes: int = 200
     iterations: int = 4
-    """Options of ``relforest learn``."""
+    """Both are options of ``relforest learn``."""
     moments: int = 10  # number of moments, spread over the duration of an uninterrupted run
     kills: int = 1  # how often each run is killed: at its moment, and at further moments after each restart
     whom: str = GROUP
