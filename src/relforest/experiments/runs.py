@@ -111,9 +111,13 @@ def learn_in_folders(
     left: list[tuple[RunInFolder, RunStore[Any]]] = []
     progress: list[Run[Any] | None] = []
     for run in runs:
-        store = RunStore(run.folder, run.config.learner(run.number))
+        learner = run.config.learner(run.number)
+        store = RunStore(run.folder, learner)
         # Finished runs are restored too, but not kept in memory.
         before = store.resume()
+        if before is None and run.source is not None:
+            # A worker on another machine does not have the run that this one begins with.
+            before = Run(learner.start(), ())
         if before is None or before.iteration < run.config.iterations:
             left.append((run, store))
             progress.append(before)

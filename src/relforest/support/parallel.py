@@ -14,7 +14,7 @@ from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.workers import run_in_processes
 
-__all__ = ["checked_jobs", "one_blas_thread", "run_tasks"]
+__all__ = ["checked_jobs", "may_leave_machine", "one_blas_thread", "run_tasks"]
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
@@ -108,6 +108,12 @@ def _round(
     parallel = joblib.Parallel(n_jobs=n_jobs, prefer=prefer, return_as="generator_unordered")
     more = {number: finish(number, result) for number, result in parallel(jobs)}
     return {number: call for number, call in sorted(more.items()) if call is not None}
+
+
+def may_leave_machine() -> bool:
+    """Return whether `run_tasks` hands processes to a backend that may have machines without our files."""
+    backend, _ = get_active_backend(prefer="processes")
+    return not (isinstance(backend, LokyBackend) or getattr(backend, "supports_sharedmem", False))
 
 
 def checked_jobs(n_jobs: object) -> int:
