@@ -27,7 +27,7 @@ from relforest.experiments.table import Row
 from relforest.rl.fitted.settings import Source
 from relforest.rl.rollout import rollout
 from relforest.runs.store import metrics_of
-from relforest.support.errors import InputError
+from relforest.support.errors import InputError, RelforestError
 from relforest.support.rng import generator
 
 distributed = pytest.importorskip("distributed")
@@ -51,6 +51,11 @@ def throw(setting: Throws, context: Context) -> list[Row]:
     sleep(0.2)
     face = int(generator(context.stream).integers(1, 7))
     return [{"player": setting.player, "face": face}]
+
+
+def look(setting: Throws, _context: Context) -> list[Row]:
+    """Tell who computes."""
+    return [{"player": setting.player, "process": os.getpid()}]
 
 
 def learned(setting: Throws, context: Context) -> RunInFolder:
@@ -77,7 +82,7 @@ DICE = Study(
     lambda table: Findings(f"{len(table)} throws"),
     compiles=False,
 )
-LEARNING = replace(DICE, settings=DICE.settings[:3], compute=values_of, learned=learned)
+LEARNING = replace(DICE, settings=DICE.settings[:2], compute=values_of, learned=learned)
 
 
 @contextmanager
@@ -126,7 +131,7 @@ def test_a_cluster_without_workers_computes_nothing() -> None:
 def test_a_worker_is_no_scheduler() -> None:
     with local_cluster(1, processes=False) as there:
         (worker,) = there.workers.values()
-        with pytest.raises(InputError, match="it is a Worker"), on_cluster(worker.address):
+        with pytest.raises(InputError, match="is the address of a Dask worker"), on_cluster(worker.address):
             pass
 
 
@@ -137,6 +142,13 @@ def test_workers_need_the_same_software(monkeypatch: pytest.MonkeyPatch) -> None
         complaint = r"the worker .* is another one: versions \(\d+ there, "
         with pytest.raises(InputError, match=complaint), on_cluster(there.scheduler_address):
             pass
+
+
+@pytest.mark.parametrize("settings", [1, 3])
+def test_a_single_worker_computes_too(tmp_path: Path, settings: int) -> None:
+    with local_cluster(1) as there, on_cluster(there.scheduler_address) as jobs:
+        run_study(replace(DICE, settings=DICE.settings[:settings], compute=look), tmp_path, n_jobs=jobs)
+    assert str(os.getpid()) not in (tmp_path / "rows.csv").read_text()
 
 
 def test_a_killed_worker_changes_no_row(tmp_path: Path) -> None:
@@ -157,10 +169,20 @@ def test_a_killed_worker_changes_no_row(tmp_path: Path) -> None:
     assert contents(tmp_path / "there") == contents(tmp_path / "here")
 
 
+def test_a_lost_cluster_is_told_and_what_was_done_is_kept(tmp_path: Path) -> None:
+    with local_cluster(1, processes=False) as there:
+        lost = pytest.raises(
+            RelforestError, match=r"the Dask cluster was lost .* the same command resumes it"
+        )
+        with lost, on_cluster(there.scheduler_address) as jobs:
+            run_study(DICE, tmp_path, n_jobs=jobs, on_progress=lambda _line: there.close())
+    assert list(tmp_path.glob("settings/*"))
+
+
 def test_workers_need_none_of_the_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "workers").mkdir()
     monkeypatch.chdir(tmp_path / "workers")
-    with local_cluster(2) as there:
+    with local_cluster(1) as there:
         # The workers stay where they are, and a relative name means something else to them.
         monkeypatch.chdir(tmp_path)
         with on_cluster(there.scheduler_address) as jobs:

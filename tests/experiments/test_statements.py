@@ -56,12 +56,11 @@ def test_the_two_sample_test_is_students() -> None:
 def test_above_is_about_the_first_sample() -> None:
     # Means 5 and 2, variances 1: t = 3 / sqrt(2 / 3), 4 degrees of freedom.
     expected = float(stats.t.sf(3.0 / np.sqrt(2.0 / 3.0), 4))
-    assert judged(above(HIGH, LOW)) == Judgement(
-        "5 (3) / 2 (3)", holds=True, p=pytest.approx(expected), improves=1.0
-    )
-    found = judged(above(LOW, HIGH))
-    assert (found.holds, found.improves) == (False, 0.0)
-    assert found.p == pytest.approx(1.0 - expected)
+    found, turned = judged(above(HIGH, LOW)), judged(above(LOW, HIGH))
+    assert (found.ours, found.holds, found.improves) == ("5 (3) / 2 (3)", True, 1.0)
+    assert (turned.ours, turned.holds, turned.improves) == ("2 (3) / 5 (3)", False, 0.0)
+    assert found.p == pytest.approx(expected)
+    assert turned.p == pytest.approx(1.0 - expected)
 
 
 def test_not_above_holds_where_above_does_not() -> None:

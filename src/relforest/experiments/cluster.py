@@ -46,6 +46,7 @@ def on_cluster(address: str | None, n_jobs: int = 1) -> Iterator[int]:
     if find_spec("distributed") is None:
         raise InputError("a Dask cluster needs the package 'distributed', which is not installed: install it")
     from distributed import CancelledError, Client, KilledWorker  # noqa: PLC0415 - optional
+    from distributed.comm import CommClosedError  # noqa: PLC0415
 
     if not _threads_at(address):
         raise InputError(f"the Dask cluster at {address!r} has no workers: start some with 'dask worker'")
@@ -59,7 +60,7 @@ def on_cluster(address: str | None, n_jobs: int = 1) -> Iterator[int]:
         try:
             # One job means this process, and some tasks can only be split.
             yield max(2, sum(client.ncores().values()))
-        except (CancelledError, KilledWorker, OSError) as error:
+        except (CancelledError, CommClosedError, KilledWorker) as error:
             raise RelforestError(
                 f"the Dask cluster was lost ({error}); what was done is kept, and the same command resumes it"
             ) from error
@@ -76,12 +77,14 @@ def _threads_at(address: str) -> int:
 
     try:
         found = asyncio.run(asyncio.wait_for(identity(), _SECONDS_TO_ANSWER))
-        reason = "" if found["type"] == "Scheduler" else f"it is a {found['type']}"
     except (OSError, ValueError, TimeoutError) as error:
         reason = str(error) or f"nothing came within {_SECONDS_TO_ANSWER:.0f} s"
-    if reason:
         raise InputError(
             f"no Dask scheduler answers at {address!r}: {reason}; start one with 'dask scheduler', or name "
             "another address"
+        ) from error
+    if found["type"] != "Scheduler":
+        raise InputError(
+            f"{address!r} is the address of a Dask {found['type'].lower()}: name its scheduler's"
         )
     return sum(int(worker["nthreads"]) for worker in found["workers"].values())
