@@ -99,8 +99,8 @@ def _on_cluster(
 ) -> None:
     """Run calls and what continues them on a Dask cluster.
 
-    Not by joblib, which would stay here if there is one worker only, and would continue no task before all are
-    done.
+    Not by joblib, which would stay here if there is one worker only, and would continue no task before all
+    are done.
     """
     from distributed import as_completed  # noqa: PLC0415 - optional
 

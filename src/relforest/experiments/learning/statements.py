@@ -41,11 +41,9 @@ from relforest.experiments.table import Table
 END: Final = -1
 """Stands for the training episodes of the last policy."""
 
-_PUBLISHED: Final = "smrf-rpi-500"
-_LONG: Final = "smrf-rpi-500-long"
-_ONCE: Final = "smrf-rpi-500-once"
-_SHARED: Final = "cmac-sarsa-shared-500"
 _LARGER: Final = LARGER[0]
+_RPI: Final = "smrf-rpi-500"
+_RGB: Final = "smrf-rpi-500-rgb"
 _VARIANTS: Final = {
     "smrf-rpi-50": ("several rounds on 50 episodes", 50),
     "smrf-rpi-500-single": ("one round on 500", 500),
@@ -93,187 +91,150 @@ def _correlated(played: str, condition: str) -> Judge:
     return correlated(partial(training_and_test, played=played, condition=condition))
 
 
-_in_keepaway: Final = partial(_after, KEEPAWAY)
-_in_larger: Final = partial(_after, _LARGER)
+def _standing(_table: Table) -> Values:
+    return np.array([STANDING])
+
+
+def _of(section: str, *said: tuple[str, str, Judge]) -> tuple[Statement, ...]:
+    return tuple(Statement(section, *each) for each in said)
+
+
 _leaves: Final = partial(_after, column="leaves")
-_few, _few_sarsa = (partial(_in_keepaway, name) for name in ("smrf-rpi-50", "cmac-sarsa-shared-50"))
+_small: Final = _after(TOWERS, "small-first")
+_towers, _arch = _after(TOWERS, _RPI), _after(ARCH, _RPI)
+_few, _few_sarsa = (partial(_after, KEEPAWAY, name) for name in ("smrf-rpi-50", "cmac-sarsa-shared-50"))
+_once: Final = _after(KEEPAWAY, "smrf-rpi-500-once", 500)
+_long: Final = _after(KEEPAWAY, "smrf-rpi-500-long")
+_shared: Final = _after(KEEPAWAY, "cmac-sarsa-shared-500")
+_alone, _on_trees = (partial(_after, KEEPAWAY, name) for name in (SARSA, "sarsa-on-smrf"))
+_there: Final = partial(_after, _LARGER)
+_there_sarsa: Final = partial(_there, "cmac-sarsa-shared-4v3")
 
 STATEMENTS: Final[Mapping[str, tuple[Statement, ...]]] = {
-    TOWERS: (
-        Statement("7.4.1", "SMRF-RPI improves on random play", "p < 1e-43", _improves(TOWERS, _PUBLISHED)),
-        *(
-            Statement(
-                "7.4.1",
-                f"{policy} is above SMRF-RPI",
-                source,
-                above(_after(TOWERS, policy), _after(TOWERS, _PUBLISHED)),
-            )
-            for policy, source in (("large-first", "p < 1e-40"), ("small-first", "p < 1e-16"))
-        ),
-        Statement(
-            "7.4.1",
+    TOWERS: _of(
+        "7.4.1",
+        ("SMRF-RPI improves on random play", "p < 1e-43", _improves(TOWERS, _RPI)),
+        ("large-first is above SMRF-RPI", "p < 1e-40", above(_after(TOWERS, "large-first"), _towers)),
+        ("small-first is above SMRF-RPI", "p < 1e-16", above(_small, _towers)),
+        (
             "the best run of SMRF-RPI reaches the mean of small-first",
             "about",
-            reached(_after(TOWERS, _PUBLISHED), _after(TOWERS, "small-first"), np.mean),
+            reached(_towers, _small, np.mean),
         ),
-        Statement(
-            "7.4.1",
-            "training and test rewards of SMRF-RPI are correlated",
-            "R = .81, p < 1e-77",
-            _correlated(TOWERS, _PUBLISHED),
-        ),
+        ("SMRF-RPI: training and test are correlated", "R = .81, p < 1e-77", _correlated(TOWERS, _RPI)),
     ),
-    COLORS: (
+    COLORS: _of(
+        "7.4.2",
+        ("CIEDE2000: SMRF-RPI improves on random play", "p < 1e-19", _improves(COLORS, _RPI)),
+        ("RGB: SMRF-RPI improves on random play", "p < 1e-19", _improves(RGB, _RGB)),
         *(
-            statement
-            for played, condition, name, p in (
-                (COLORS, _PUBLISHED, "CIEDE2000", "p < 1e-33"),
-                (RGB, "smrf-rpi-500-rgb", "RGB", "p < 1e-35"),
+            (
+                f"{name}: the hand-made policy is above SMRF-RPI",
+                p,
+                above(_after(world, "manual"), _after(world, own)),
             )
-            for statement in (
-                Statement(
-                    "7.4.2",
-                    f"{name}: SMRF-RPI improves on random play",
-                    "p < 1e-19",
-                    _improves(played, condition),
-                ),
-                Statement(
-                    "7.4.2",
-                    f"{name}: the hand-made policy is above SMRF-RPI",
-                    p,
-                    above(_after(played, HAND[COLORS]), _after(played, condition)),
-                ),
+            for world, own, name, p in (
+                (COLORS, _RPI, "CIEDE2000", "p < 1e-33"),
+                (RGB, _RGB, "RGB", "p < 1e-35"),
             )
         ),
-        Statement(
-            "7.4.2",
+        (
             "more leaves with CIEDE2000 than with RGB",
             "p < .05",
-            above(_leaves(COLORS, _PUBLISHED), _leaves(RGB, "smrf-rpi-500-rgb")),
+            above(_leaves(COLORS, _RPI), _leaves(RGB, _RGB)),
         ),
     ),
-    ARCH: (
-        Statement("7.4.3", "SMRF-RPI improves on random play", "p < 1e-14", _improves(ARCH, _PUBLISHED)),
-        Statement(
-            "7.4.3",
-            "the trainer is above SMRF-RPI in the end",
-            "p < .05",
-            above(_after(ARCH, HAND[ARCH]), _after(ARCH, _PUBLISHED)),
-        ),
-        Statement(
-            "7.4.3",
+    ARCH: _of(
+        "7.4.3",
+        ("SMRF-RPI improves on random play", "p < 1e-14", _improves(ARCH, _RPI)),
+        ("the trainer is above SMRF-RPI in the end", "p < .05", above(_after(ARCH, HAND[ARCH]), _arch)),
+        (
             "SMRF-RPI is better after four batches than after three",
             "p < .01",
-            above(_after(ARCH, _PUBLISHED, 2000), _after(ARCH, _PUBLISHED, 1500)),
+            above(_after(ARCH, _RPI, 2000), _after(ARCH, _RPI, 1500)),
         ),
-        Statement(
-            "7.4.3",
+        (
             "share of test episodes that end with an arch, best run in the end",
             "53 %",
-            reached(_after(ARCH, _PUBLISHED, column="paid"), lambda _table: np.array([STANDING]), np.max),
+            reached(_after(ARCH, _RPI, column="paid"), _standing, np.max),
         ),
     ),
-    KEEPAWAY: (
+    KEEPAWAY: _of(
+        "7.5.2",
         *(
-            Statement(
-                "7.5.2",
+            (
                 f"50 episodes a batch: SMRF-RPI is above CMAC Sarsa after {count}",
                 "p < 1e-7",
                 above(_few(50 * count), _few_sarsa(50 * count)),
             )
             for count in range(1, 6)
         ),
-        Statement(
-            "7.5.2",
-            "50 episodes a batch: no longer after 10",
-            "p < .1",
-            not_above(_few(500), _few_sarsa(500)),
-        ),
-        Statement(
-            "7.5.2",
-            "500 episodes a batch: CMAC Sarsa is above SMRF-RPI in the end",
-            "p < 1e-14",
-            above(_in_keepaway(_SHARED), _in_keepaway(_LONG)),
-        ),
-        Statement(
-            "7.5.2",
+        ("50 episodes a batch: no longer after 10", "p < .1", not_above(_few(500), _few_sarsa(500))),
+        ("500 episodes a batch: CMAC Sarsa is above SMRF-RPI in the end", "p < 1e-14", above(_shared, _long)),
+        (
             "the best run of SMRF-RPI then reaches the least of CMAC Sarsa",
             "about",
-            reached(_in_keepaway(_LONG), _in_keepaway(_SHARED), np.min),
+            reached(_long, _shared, np.min),
         ),
-        Statement(
-            "7.5.2",
-            "training and test rewards of SMRF-RPI are correlated",
+        (
+            "SMRF-RPI: training and test are correlated",
             "R = .85, p < 1e-91",
-            _correlated(KEEPAWAY, _LONG),
+            _correlated(KEEPAWAY, "smrf-rpi-500-long"),
         ),
-        Statement(
-            "7.5.2",
-            "training and test rewards of CMAC Sarsa are correlated",
+        (
+            "CMAC Sarsa: training and test are correlated",
             "R = .20, p < 1e-3",
-            _correlated(KEEPAWAY, _SHARED),
+            _correlated(KEEPAWAY, "cmac-sarsa-shared-500"),
         ),
-        Statement(
-            "7.5.2",
+        (
             "Sarsa on trees of SMRF-RPI is above CMAC Sarsa at first",
             "p < 1e-8",
-            above(_in_keepaway("sarsa-on-smrf", 1000), _in_keepaway(SARSA, 1000)),
+            above(_on_trees(1000), _alone(1000)),
         ),
-        Statement(
-            "7.5.2",
+        (
             "CMAC Sarsa is above Sarsa on trees of SMRF-RPI in the end",
             "p < 1e-8",
-            above(_in_keepaway(SARSA, 6000), _in_keepaway("sarsa-on-smrf", 6000)),
+            above(_alone(6000), _on_trees(6000)),
         ),
-        Statement(
-            "7.5.2",
-            "SMRF-RPI is above Sarsa on its trees in the end",
-            "",
-            above(_in_keepaway(_LONG), _in_keepaway("sarsa-on-smrf")),
-        ),
-        Statement(
-            "7.5.2",
+        ("SMRF-RPI is above Sarsa on its trees in the end", "Fig. 7.23", above(_long, _on_trees())),
+        (
             "4 against 3, one batch: SMRF-RPI of 3 against 2 is above CMAC Sarsa",
             "p < 1e-18",
-            above(_in_larger(_ONCE, 500), _in_larger("cmac-sarsa-shared-4v3", 500)),
+            above(_there("smrf-rpi-500-once", 500), _there_sarsa(500)),
         ),
-        Statement(
-            "7.5.2",
+        (
             "4 against 3, in the end: CMAC Sarsa is above SMRF-RPI of 3 against 2",
             "p < 1e-15",
-            above(_in_larger("cmac-sarsa-shared-4v3"), _in_larger(_LONG)),
+            above(_there_sarsa(), _there("smrf-rpi-500-long")),
         ),
         *(
-            Statement(
-                "7.5.2",
+            (
                 f"first batch: several rounds on 500 episodes are above {words}",
                 "p < 1e-8",
-                above(_in_keepaway(_ONCE, 500), _in_keepaway(name, first)),
+                above(_once, _after(KEEPAWAY, name, first)),
             )
             for name, (words, first) in _VARIANTS.items()
         ),
         *(
-            Statement(
-                "7.5.2",
+            (
                 f"in the end: several rounds on 500 episodes are no longer above {words}",
                 "p < .05",
                 # The source corrects for the number of comparisons.
-                not_above(_in_keepaway(_LONG), _in_keepaway(name), LEVEL / len(_VARIANTS)),
+                not_above(_long, _after(KEEPAWAY, name), LEVEL / len(_VARIANTS)),
             )
             for name, (words, _) in _VARIANTS.items()
         ),
         *(
-            Statement(
-                "7.5.2",
+            (
                 f"more leaves after several rounds than after one, {size} episodes, {when}",
                 "p < 1e-10",
                 above(_leaves(KEEPAWAY, many, end), _leaves(KEEPAWAY, f"smrf-rpi-{size}-single", end)),
             )
             for size, when, many, end in (
                 (50, "first batch", "smrf-rpi-50", 50),
-                (500, "first batch", _ONCE, 500),
+                (500, "first batch", "smrf-rpi-500-once", 500),
                 (50, "ten batches", "smrf-rpi-50", 500),
-                (500, "ten batches", _LONG, 5000),
+                (500, "ten batches", "smrf-rpi-500-long", 5000),
             )
         ),
     ),
