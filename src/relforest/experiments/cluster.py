@@ -62,7 +62,8 @@ def on_cluster(address: str | None, n_jobs: int = 1) -> Iterator[int]:
             yield max(2, sum(client.ncores().values()))
         except (CancelledError, CommClosedError, KilledWorker) as error:
             raise RelforestError(
-                f"the Dask cluster was lost ({error}); what was done is kept, and the same command resumes it"
+                f"the Dask cluster was lost ({type(error).__name__}); what was done is kept, and the same "
+                "command resumes it"
             ) from error
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from relforest.experiments.learning import settings
-from relforest.experiments.learning.analysis import figures, interval, summarize
+from relforest.experiments.learning.analysis import interval, summarize
 from relforest.experiments.registry import STUDIES
 from relforest.experiments.sheets import Span
 from relforest.experiments.table import Row, Table
@@ -78,16 +78,6 @@ def test_arches_are_counted_and_compared_with_the_trainer() -> None:
         "smrf-q: share of test episodes that end with an arch after 1500 episodes": "MISSED",
         "smrf-q: mean reward after 1500 episodes, bound: trainer": "met",
     }
-
-
-def test_there_is_no_curve_of_a_task_that_nobody_played() -> None:
-    assert figures("keepaway", Table.of(rows("cmac-sarsa-shared-4v3", "keepaway-4v3", {0: [1.0]}))) == {}
-
-
-def test_every_learner_and_policy_has_a_line() -> None:
-    (axes,) = figures("keepaway", table())["learning.png"].axes
-    assert axes.get_lines()[0].get_label() == "smrf-q"
-    assert len(axes.get_lines()) == 3
 
 
 @pytest.mark.parametrize("task", settings.SETTINGS)

@@ -1,4 +1,4 @@
-"""Table -> rewards by training episodes and method, claims, and learning curves."""
+"""Table -> what the source says, rewards by training episodes and method, and claims."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy import stats
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.learning import settings
+from relforest.experiments.learning.figures import figures
 from relforest.experiments.learning.run import compute, learned, unavailable
 from relforest.experiments.learning.settings import LearningSetting
 from relforest.experiments.learning.statements import STATEMENTS, measured
@@ -21,7 +21,6 @@ from relforest.experiments.sheets import Entry, Sheet, Span
 from relforest.experiments.statements import interquartile_mean, statements_sheet
 from relforest.experiments.study import Study, repeated
 from relforest.experiments.table import Table
-from relforest.reports.style import GREY, MARKERS, SERIES, styled
 
 _DRAWS: Final = 5000
 _FEW: Final = 3
@@ -45,41 +44,6 @@ def summarize(task: str, table: Table) -> Findings:
         rows = tuple(_rows(table, str(played)))
         sheets.append(Sheet(f"Reward per episode in {played}, learned in {task}", titles, rows))
     return Findings("", tuple(_claims(task, table)), tuple(sheets))
-
-
-def figures(task: str, table: Table) -> Mapping[str, Figure]:
-    """Draw the mean reward of each learner by training episodes, and hand-made policies as lines."""
-    if task not in table.distinct("played"):
-        return {}
-    with styled():
-        figure = Figure(figsize=(5.6, 3.6), layout="constrained")
-        axes = figure.add_subplot()
-        own = table.where(played=task)
-        learners = [str(name) for name in own.distinct("condition") if str(name) in settings.LEARNERS]
-        for place, condition in enumerate(learners):
-            episodes = np.unique(own.where(condition=condition).numbers("episodes")).astype(int).tolist()
-            values = [measured(table, task, condition, each) for each in episodes]
-            color, marker = SERIES[place % len(SERIES)], MARKERS[place % len(MARKERS)]
-            means = [each.mean() for each in values]
-            axes.plot(episodes, means, color=color, marker=marker, label=condition)
-            axes.fill_between(
-                episodes,
-                [each.min() for each in values],
-                [each.max() for each in values],
-                color=color,
-                alpha=0.15,
-                linewidth=0,
-            )
-        for name in map(str, own.distinct("condition")):
-            if name not in settings.LEARNERS and not name.startswith(settings.OURS):
-                level = float(measured(table, task, name, 0).mean())
-                axes.axhline(level, color=GREY, linestyle="--", linewidth=0.9)
-                axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right")
-        axes.set_xlabel("training episodes (band: all runs)")
-        axes.set_ylabel("mean reward of a test episode")
-        if learners:
-            axes.legend(frameon=True, framealpha=0.9, edgecolor="none")
-    return {"learning.png": figure}
 
 
 def _rows(table: Table, played: str) -> Iterator[tuple[Entry, ...]]:
