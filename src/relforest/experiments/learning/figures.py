@@ -17,6 +17,7 @@ from relforest.experiments.learning.settings import (
     LEARNERS,
     OURS,
     RGB,
+    SARSA,
     TOWERS,
 )
 from relforest.experiments.learning.statements import measured
