@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -35,8 +36,8 @@ def test_learners_have_curves_and_policies_lines() -> None:
     assert list(found) == ["learning.png"]
     (axes,) = found["learning.png"].axes
     curve, line = axes.get_lines()
-    assert [list(map(float, each)) for each in curve.get_data()] == [[0.0, 100.0], [50.0, 145.0]]
-    assert set(line.get_ydata()) == {165.0}
+    np.testing.assert_array_equal(curve.get_xydata(), [[0.0, 50.0], [100.0, 145.0]])
+    np.testing.assert_array_equal(line.get_ydata(), 165.0)
 
 
 def test_the_sources_figures_show_its_conditions_alone() -> None:

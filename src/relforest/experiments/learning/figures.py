@@ -80,7 +80,7 @@ def figures(task: str, table: Table) -> Mapping[str, Figure]:
         and (curve not in in_source or curve[1] not in LEARNERS)
         and not curve[1].startswith(f"{OURS},")
     ]
-    wanted = {"learning.png": ("reward", tuple(rest))} | SOURCE[task]
+    wanted = {"learning.png": ("reward", tuple(rest)), **SOURCE[task]}
     there = {
         name: (column, [curve for curve in curves if curve in found])
         for name, (column, curves) in wanted.items()
