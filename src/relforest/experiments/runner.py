@@ -170,7 +170,7 @@ def _compute(
             for is_later in (False, True):
                 wave = [run for run in runs if (run.source in folders) == is_later]
                 learn_in_folders(wave, n_jobs=n_jobs)
-    elif study.compiles and n_jobs != 1 and len(left) > 1:
+    elif study.compiles and n_jobs != 1 and len(left) > 1 and not may_leave_machine():
         _warm_up(study)
 
     done = count(len(files) - len(left) + 1)
