@@ -31,7 +31,7 @@ class ExperimentOptions:
       relforest experiment mil --smoke
       relforest experiment concepts --jobs 2 --out runs/concepts
       relforest experiment mil --methods covagg,dd --datasets musk1
-      relforest experiment corridor --runs 10 --out runs/short --dask tcp://10.0.0.5:8786
+      relforest experiment corridor --runs 10 --dask tcp://10.0.0.5:8786
 
     Parameters
     ----------
