@@ -139,7 +139,7 @@ def test_workers_need_the_same_software(monkeypatch: pytest.MonkeyPatch) -> None
     with local_cluster(1) as there:
         # Every process has another number.
         monkeypatch.setattr(cluster, "versions", os.getpid)
-        complaint = r"the worker .* is another one: versions \(\d+ there, "
+        complaint = r"the worker .* has other software: versions \(\d+ there, "
         with pytest.raises(InputError, match=complaint), on_cluster(there.scheduler_address):
             pass
 

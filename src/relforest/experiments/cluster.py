@@ -55,7 +55,7 @@ def on_cluster(address: str | None, n_jobs: int = 1) -> Iterator[int]:
         for worker, there in client.run(versions, on_error="return").items():
             if differing := differences(there, here, "versions"):
                 raise InputError(
-                    f"the worker {worker} is another one: {'; '.join(differing)}; install the same"
+                    f"the worker {worker} has other software: {'; '.join(differing)}; install the same"
                 )
         try:
             # One job means this process, and some tasks can only be split.
