@@ -17,9 +17,9 @@ from relforest.forests.statements import Bound, Statement
 from relforest.mappings import Mapping
 from relforest.rl.baselines import SarsaSettings
 from relforest.rl.fitted import QLearner, QSettings, QValue
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.learner import QKnowledge
 from relforest.rl.fitted.questions import Question
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.view import View
 from relforest.rl.learner import Knowledge, RPILearner
 from relforest.rl.policy import RandomPolicy

@@ -12,9 +12,9 @@ from relforest.mappings import Mapping
 from relforest.reports.figure_files import save_figure
 from relforest.reports.policy_figure import policy_figure
 from relforest.rl.experience import Experience
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.influence import influences
 from relforest.rl.fitted.questions import Question
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
 from relforest.scenes import Attribute, Schema

@@ -13,8 +13,8 @@ from relforest.forests import Condition
 from relforest.forests.statements import Bound, Statement
 from relforest.mappings import Mapping
 from relforest.playing import Frame
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.questions import Question as Curve
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
 from relforest.rl.policy import EpsilonGreedyPolicy, GreedyPolicy, Policy, RandomPolicy

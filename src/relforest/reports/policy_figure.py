@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from relforest.reports.style import GREY, INK, NEGATIVE, PALE, PAPER, POSITIVE, SERIES, mixed, styled
 from relforest.reports.text_size import drawable, line_height, wrapped
 from relforest.rl.experience import Experience
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.influence import Influence, influences
 from relforest.rl.fitted.standing import in_words, is_number, unit_of, witnesses
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.scenes.arrays import FloatArray

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Final
 
 from relforest.forests.words import sentence
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
 from relforest.rl.fitted.standing import in_words, is_number, unit_of
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.support.numerals import number
 
@@ -36,6 +36,10 @@ def _of_sum(learned: Sum, place: int, names: list[str], most: int) -> Iterator[s
     own = sorted(learned.questions[place], key=lambda question: -question.spread)
     what = "Q" if learned.base in (None, place) else f"Q less that of {names[learned.base]}"
     added = f"{number(learned.constants[place])} and what {len(own)} questions add"
+    if n_trees := len(learned.roots(place)):
+        added = (
+            f"the mean of {n_trees} trees and a sum. The sum is {added}, the trees compare the same distances"
+        )
     yield f"{names[place]}: {what} is {added}{_first(len(own), most)}"
     for rank, question in enumerate(own[:most], start=1):
         points, (scale, unit) = (
@@ -45,12 +49,13 @@ def _of_sum(learned: Sum, place: int, names: list[str], most: int) -> Iterator[s
         curve = ", ".join(f"{_signed(height)} at {number(scale * knot)}" for height, knot in points)
         curve += f" {unit}" if unit else ""
         yield f"  {rank}. how far it is from true that {sentence(question.condition, learned.schemas[place])}"
-        yield f"     adds {curve}; varies by {number(question.spread)}"
+        varies = "with the trees, it varies" if n_trees else "varies"
+        yield f"     adds {curve}; {varies} by {number(question.spread)}"
 
 
 def _of_horizon(learned: Horizon, place: int, names: list[str], most: int) -> Iterator[str]:
     own = sorted(learned.measured[place], key=lambda each: -each.importance)
-    forests = f"{len(learned.forests.roots)} forests, one for each number of remaining actions"
+    forests = f"{len(learned.trees.roots)} forests, one for each number of remaining actions"
     yield f"{names[place]}: {forests}, on {len(own)} measures{_first(len(own), most)}"
     for rank, each in enumerate(own[:most], start=1):
         words, _ = in_words(each.condition, learned.schemas[place], 0.0, 0.0)

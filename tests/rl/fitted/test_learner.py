@@ -13,11 +13,11 @@ from experiments.run_folders import contents
 from interpreted import compiled_only
 from relforest.reports.run_report import run_report
 from relforest.rl.fitted import CurveSettings, ForestSettings, QLearner, QSettings
-from relforest.rl.fitted.additive import Sum
-from relforest.rl.fitted.forest_arrays import forest_mean, forests_of, joined
+from relforest.rl.fitted.forest_arrays import forest_mean, forests_of, joined, pruned, together
 from relforest.rl.fitted.horizon import Horizon
 from relforest.rl.fitted.learner import QKnowledge, portions
 from relforest.rl.fitted.policy_json import describe
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.policy import GreedyPolicy, RandomPolicy
 from relforest.rl.rollout import rollout
 from relforest.rl.saved_policy import read_policy
@@ -193,3 +193,49 @@ def test_damaged_forests_are_refused(name: str, change: Any) -> None:
     forests_of(arrays, [4], origin="file")
     with pytest.raises(ModelFormatError, match=r"^file: "):
         forests_of(arrays | {name: change(arrays[name])}, [4], origin="file")
+
+
+def test_trees_of_two_action_types_have_no_node_in_common() -> None:
+    features = np.random.default_rng(0).normal(size=(30, 4))
+    grown = ExtraTreesRegressor(2, random_state=0).fit(features, features[:, 0]).estimators_
+    arrays = joined([[[grown[0].tree_], [grown[1].tree_]]])._asdict()
+    forests_of(arrays, [4, 4], origin="file")
+    shared = np.repeat(arrays["roots"][:, :1], 2, axis=1)
+    below = arrays["roots"].copy()
+    below[0, 1, 0] = arrays["children"][0, 1]
+    for roots in (shared, below):
+        with pytest.raises(ModelFormatError, match=r"^file: its trees are damaged"):
+            forests_of(arrays | {"roots": roots}, [4, 4], origin="file")
+
+
+def test_with_fewer_features_a_comparison_of_another_one_is_answered_by_the_mean() -> None:
+    rng = np.random.default_rng(0)
+    features, target = rng.normal(size=(60, 3)).astype(np.float32), rng.normal(size=60)
+    grown = [
+        [tree.tree_ for tree in ExtraTreesRegressor(3, random_state=seed).fit(features, target).estimators_]
+        for seed in (0, 1)
+    ]
+    whole = joined([grown])
+
+    def mean_below(tree: Any, node: int, row: np.ndarray[Any, Any], kept: list[int]) -> float:
+        if tree.children_left[node] < 0 or tree.feature[node] not in kept:
+            return float(tree.value[node, 0, 0])
+        is_first = row[tree.feature[node]] <= tree.threshold[node]
+        return mean_below(tree, (tree.children_left if is_first else tree.children_right)[node], row, kept)
+
+    fewer = pruned(whole, [np.array([0, -1, 1]), np.array([-1, -1, -1])])
+    for number, kept in enumerate(([0, 2], [])):
+        found = forest_mean(fewer, fewer.roots[0, number], np.ascontiguousarray(features[:, kept]))
+        expected = [np.mean([mean_below(tree, 0, row, kept) for tree in grown[number]]) for row in features]
+        np.testing.assert_allclose(found, expected)
+
+
+def test_forests_put_together_give_the_mean_of_all_trees() -> None:
+    rng = np.random.default_rng(0)
+    features, target = rng.normal(size=(60, 3)).astype(np.float32), rng.normal(size=60)
+    models = [ExtraTreesRegressor(n, random_state=n).fit(features, target) for n in (2, 3)]
+    parts = [joined([[[tree.tree_ for tree in model.estimators_]]]) for model in models]
+    # Of the first, one tree only.
+    found = together(parts[0]._replace(roots=parts[0].roots[:, :, :1]), parts[1])
+    expected = (models[0].estimators_[0].predict(features) + 3 * models[1].predict(features)) / 4
+    np.testing.assert_allclose(forest_mean(found, found.roots[0, 0], features), expected)

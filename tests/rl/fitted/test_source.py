@@ -9,8 +9,8 @@ import pytest
 from experiments.run_folders import contents
 from interpreted import compiled_only
 from relforest.rl.fitted import CurveSettings, ForestSettings, QLearner, QSettings, Source
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
+from relforest.rl.fitted.sum import Sum
 from relforest.runs.learner import advance
 from relforest.runs.store import RunStore
 from relforest.smdp import ActionType, Decision
@@ -79,6 +79,28 @@ def test_the_penalty_is_on_what_differs_from_the_source(folder: tuple[type[Picki
     old, new = before.value.values(decision), after.value.values(decision)
     # The mean of each action type is free.
     np.testing.assert_allclose(new[1:] - new[1], old[1:] - old[1], atol=1e-3)
+
+
+def test_trees_of_the_source_count_like_transitions(folder: tuple[type[Picking], Path]) -> None:
+    world, path = folder
+    if world is Limited:
+        pytest.skip("forests are learned again")
+    trees = {}
+    for prior in (1.0, 30.0, 1e6):
+        settings = replace(SETTINGS, curves=replace(SETTINGS.curves, prior=prior))
+        after = learner(world(things=6), Source(path), settings)
+        found = after.iterate(after.start(), 1).value
+        assert found is not None
+        assert isinstance(found.learned, Sum)
+        begun = after.start().value
+        assert begun is not None
+        assert isinstance(begun.learned, Sum)
+        assert begun.learned.trees is not None
+        n_before = len(begun.learned.trees.feature)
+        trees[prior] = int((found.learned.roots(1) < n_before).sum())
+    assert trees[1.0] == 0
+    assert 0 < trees[30.0] < SETTINGS.forests.trees
+    assert trees[1e6] == SETTINGS.forests.trees
 
 
 def test_only_the_questions_of_another_task_are_asked(folder: tuple[type[Picking], Path]) -> None:

@@ -1,17 +1,20 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from sklearn.ensemble import ExtraTreesRegressor
 
 from relforest.forests import Condition
 from relforest.forests.statements import Bound, Near, Statement
 from relforest.mappings import Mapping
 from relforest.rl.action_scenes import action_scenes
 from relforest.rl.experience import Experience
-from relforest.rl.fitted.additive import Sum
-from relforest.rl.fitted.forest_arrays import joined
+from relforest.rl.fitted.forest_arrays import ForestArrays, forest_mean, joined
 from relforest.rl.fitted.horizon import Horizon
 from relforest.rl.fitted.questions import Question, measured, spokesmen
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
 from relforest.rl.policy import RandomPolicy
@@ -27,9 +30,20 @@ RIGHT = Condition(1, (Statement(Mapping("identity", LOCATION), (0,), Bound(0, "a
 BESIDE = Condition(1, (Statement(Mapping("difference", LOCATION), (1, 2), Near(0, (0.0,), (0.1,))),))
 
 
-def value(base: int | None) -> QValue:
+def trees_for(*numbers: int) -> ForestArrays:
+    """Return two trees of a single distance for each of these action types."""
+    rng = np.random.default_rng(1)
+    margins, worth = rng.uniform(-0.3, 0.8, (50, 1)), rng.normal(size=50)
+    grown: list[list[Any]] = [[], []]
+    for number in numbers:
+        model = ExtraTreesRegressor(2, random_state=number).fit(margins, worth)
+        grown[number] = [tree.tree_ for tree in model.estimators_]
+    return joined([grown])
+
+
+def value(base: int | None, trees: ForestArrays | None = None) -> QValue:
     questions = ((Question(RIGHT, KNOTS, HEIGHTS),), (Question(BESIDE, KNOTS, HEIGHTS),))
-    learned = Sum((SCHEMA, REACH_SCHEMA), base, (0.5, -0.25), questions)
+    learned = Sum((SCHEMA, REACH_SCHEMA), base, (0.5, -0.25), questions, trees)
     return QValue(View(SCHEMA, ()), REACHING_TYPES, learned)
 
 
@@ -62,9 +76,13 @@ def from_scenes(found: QValue, experience: Experience) -> FloatArray:
     return out
 
 
+@pytest.mark.parametrize("trees", [None, trees_for(0, 1), trees_for(1)])
 @pytest.mark.parametrize("base", [None, 0])
-def test_values_of_many_decisions_are_those_of_their_scenes(base: int | None) -> None:
-    experience, found = rollout(Reaching(3), RandomPolicy(), 3, np.random.SeedSequence(2)), value(base)
+def test_values_of_many_decisions_are_those_of_their_scenes(
+    base: int | None, trees: ForestArrays | None
+) -> None:
+    experience = rollout(Reaching(3), RandomPolicy(), 3, np.random.SeedSequence(2))
+    found = value(base, trees)
     decisions = decisions_of(experience)
     values = found.values_all(decisions)
     assert len(set(values.tolist())) > 20
@@ -89,6 +107,20 @@ def test_states_without_the_base_action_are_worth_what_their_questions_say() -> 
         np.testing.assert_array_equal(value(0).values_all(without), expected)
 
 
+def test_curves_and_trees_count_alike_and_curves_alone_where_there_are_no_trees() -> None:
+    experience, trees = rollout(Reaching(3), RandomPolicy(), 2, np.random.SeedSequence(2)), trees_for(1)
+    for decision in decisions_of(experience):
+        of_curves, of_both = value(None).values(decision), value(None, trees).values(decision)
+        scenes = value(None)._scene(decision, 1)
+        margins = measured(value(None).learned.packed[1], scenes).margins
+        of_trees = forest_mean(trees, trees.roots[0, 1], np.nan_to_num(margins, nan=1e6).astype(np.float32))
+        assert of_both[1] == pytest.approx((of_curves[1] + of_trees[0]) / 2)
+        assert of_both[0] == of_curves[0]
+        for position in range(len(decision)):
+            parts = value(0, trees).parts(decision, position)
+            assert sum(adds for _, adds in parts) == pytest.approx(value(0, trees).values(decision)[position])
+
+
 def test_questions_that_are_left_out_add_what_is_usual() -> None:
     # .135 * 1 + .24 * -2 + .25 * .5 + .24 * 0 + .135 * 3 = .185.
     usual = 0.185
@@ -106,6 +138,11 @@ def test_questions_about_the_base_are_left_out_first_and_change_no_decision() ->
     experience, found = rollout(Reaching(3), RandomPolicy(), 2, np.random.SeedSequence(3)), value(0)
     for decision in decisions_of(experience):
         values, fewer = found.values(decision), found.with_questions(1).values(decision)
+        np.testing.assert_allclose(values - values[0], fewer - fewer[0], atol=1e-12)
+    trees = trees_for(0, 1)
+    both = value(0, trees)
+    for decision in decisions_of(experience):
+        values, fewer = both.values(decision), both.with_questions(1).values(decision)
         np.testing.assert_allclose(values - values[0], fewer - fewer[0], atol=1e-12)
     assert found.with_questions(2).learned.size == found.learned.size == found.with_questions(9).learned.size
 

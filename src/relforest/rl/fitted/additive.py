@@ -1,36 +1,19 @@
-"""Q as a sum of curves of relational distances: fitted Q iteration with one ridge for all action types.
-
-The value of an action is that of the *base* action, which is offered exactly once in every state (such as to
-hold the ball), plus the advantage of doing something else instead. Both are sums of questions' curves. Where
-there is no such action, the values of each action type are a sum of their own.
-"""
+"""Fitted Q iteration for sums of curves, with one ridge for all action types."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from relforest.forests.conditions import Condition
-from relforest.forests.packing import Packed, pack_conditions
+from relforest.forests.packing import pack_conditions
 from relforest.rl.fitted.evidence import Evidence, check_values
-from relforest.rl.fitted.questions import (
-    N_KNOTS,
-    Measures,
-    Question,
-    curves,
-    features_of,
-    hats,
-    knots_of,
-    measured,
-    spokesmen,
-)
+from relforest.rl.fitted.questions import N_KNOTS, Question, features_of
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
-from relforest.scenes import Schema
+from relforest.rl.fitted.sum import Sum
 from relforest.scenes.arrays import FloatArray
 from relforest.support.progress import report
 
@@ -47,121 +30,6 @@ _SPREAD_BEFORE: Final = 0.3
 _SETTLED: Final = 0.02
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Sum:
-    """A constant and the questions of each action type.
-
-    Parameters
-    ----------
-    schemas : tuple of Schema
-        Of the scenes of each action type.
-    base : int or None
-        The action type that the others' advantage is over.
-    constants : tuple of float
-        One for each action type.
-    questions : tuple of tuple of Question
-        Those of each action type.
-    """
-
-    schemas: tuple[Schema, ...]
-    base: int | None
-    constants: tuple[float, ...]
-    questions: tuple[tuple[Question, ...], ...]
-    packed: tuple[Packed, ...] = field(init=False, repr=False)
-    _curves: tuple[FloatArray, ...] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        packed = [
-            pack_conditions(schema, [question.condition for question in own])
-            for schema, own in zip(self.schemas, self.questions, strict=True)
-        ]
-        object.__setattr__(self, "packed", tuple(packed))
-        drawn = [
-            np.array([(question.knots, question.heights) for question in own]).reshape(-1, 2, N_KNOTS)
-            for own in self.questions
-        ]
-        object.__setattr__(self, "_curves", tuple(drawn))
-
-    @classmethod
-    def zero(cls, schemas: tuple[Schema, ...], base: int | None) -> Sum:
-        """Return a value of 0 for every action."""
-        none: tuple[Question, ...] = ()
-        return cls(schemas, base, (0.0,) * len(schemas), (none,) * len(schemas))
-
-    def shares(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
-        """Return the parts of what `worth` returns, (n, 1 + k): the type as such, then each question.
-
-        Questions are counted from what they usually add, and those alike with the one that stands for them.
-        """
-        knots, heights = self._curves[number][:, 0], self._curves[number][:, 1]
-        features = np.empty((len(seen.margins), len(knots) * N_KNOTS))
-        hats(seen.margins, np.ascontiguousarray(knots), features)
-        usual = np.array([question.usual for question in self.questions[number]])
-        adds = np.einsum("nkh,kh->nk", features.reshape(len(features), *knots.shape), heights) - usual
-        out = np.zeros((len(adds), 1 + len(usual)))
-        out[:, 0] = self.constants[number] + usual.sum()
-        for place, stands in enumerate(spokesmen(self.questions[number]), start=1):
-            out[:, 1 + stands] += adds[:, place - 1]
-        return out
-
-    def told(self, number: int, place: int) -> tuple[Condition | None, int]:
-        """Return what is asked at a place among the questions of an action type, and how many are alike."""
-        own = self.questions[number]
-        return own[place].condition, spokesmen(own).count(place)
-
-    def most_important(self, n: int) -> Sum:
-        """Return the sum of the `n` questions that matter most for choosing; the others add what is usual.
-
-        Those of the base are the last to count: they say how good a state is, and that is the same for all
-        of its actions.
-        """
-        every = [(number, place) for number, own in enumerate(self.questions) for place in range(len(own))]
-        every.sort(key=lambda at: (at[0] == self.base, -self.questions[at[0]][at[1]].spread))
-        kept = set(every[:n])
-        constants, questions = [], []
-        for number, own in enumerate(self.questions):
-            is_kept = [(number, place) in kept for place in range(len(own))]
-            rest = [question.usual for question, stays in zip(own, is_kept, strict=True) if not stays]
-            constants.append(self.constants[number] + sum(rest))
-            questions.append(tuple(question for question, stays in zip(own, is_kept, strict=True) if stays))
-        return replace(self, constants=tuple(constants), questions=tuple(questions))
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Number of questions, and of all their heights."""
-        n_questions = sum(map(len, self.questions))
-        return n_questions, n_questions * N_KNOTS
-
-    def offered(self, places: Sequence[int | None], schemas: tuple[Schema, ...]) -> Sum:
-        """Return the same questions, which add nothing, for actions of other types.
-
-        `places` are those of the types here whose questions they get.
-        """
-        own = (() if place is None else self.questions[place] for place in places)
-        questions = tuple(tuple(Question(each.condition, each.knots) for each in asked) for asked in own)
-        return Sum(schemas, None, (0.0,) * len(schemas), questions)
-
-    def asked_of(self, evidence: Evidence) -> Sum:
-        """Return the same questions, which add nothing, with the knots of this evidence if it has any."""
-        found: list[tuple[Question, ...]] = []
-        base = evidence.base_type()
-        for number, (packed, own) in enumerate(zip(self.packed, self.questions, strict=True)):
-            _, rows = evidence.examples(number, is_base=number == base)
-            margins = measured(packed, evidence.scenes[number].take(rows), evidence.n_jobs).margins
-            knots = map(knots_of, margins.T)
-            kept = zip(own, knots, strict=True)
-            found.append(tuple(Question(each.condition, at) for each, at in kept if at is not None))
-        return Sum(self.schemas, base, (0.0,) * len(found), tuple(found))
-
-    def worth(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
-        """Return what actions of one type are worth, (n,), without the value of the base."""
-        out = np.empty(len(seen.margins))
-        knots, heights = self._curves[number][:, 0], self._curves[number][:, 1]
-        curves(seen.margins, np.ascontiguousarray(knots), np.ascontiguousarray(heights), out)
-        return out + self.constants[number]
-
-
 def improved(
     total: Sum,
     evidence: Evidence,
@@ -170,8 +38,8 @@ def improved(
     *,
     start: Sum | None,
     is_first: bool,
-) -> Sum:
-    """Return the sum that is learned from all experience, with new questions.
+) -> tuple[Sum, FloatArray]:
+    """Return curves that are learned from all experience, with new questions, and the returns they explain.
 
     Parameters
     ----------
@@ -191,6 +59,7 @@ def improved(
     ----------
     Ernst, Geurts and Wehenkel, Tree-based batch mode reinforcement learning (2005), for fitted Q iteration.
     """
+    total = replace(total, trees=None)
     if is_first:
         # Questions of another task were made for other distances.
         total = total.asked_of(evidence)
@@ -207,7 +76,7 @@ def improved(
         earned = is_first and turn < settings.rounds // 2
         fit, targets = grown.solved(settings, sweeps=0 if earned else settings.sweeps)
     check_values(fit.values(), evidence)
-    return fit.described()
+    return fit.total, targets
 
 
 def _sought(
@@ -262,39 +131,14 @@ class _Fit:
         features[number] = np.hstack([features[number], more])
         return replace(self, total=replace(total, questions=tuple(questions)), features=tuple(features))
 
-    def described(self) -> Sum:
-        """Return the sum, with the spread of each question."""
-        found = []
-        for number, own in enumerate(self.total.questions):
-            _, rows = self.evidence.examples(number, is_base=number == self.total.base)
-            shares = self.features[number][rows].reshape(len(rows), len(own), N_KNOTS)
-            heights = np.array([question.heights for question in own]).reshape(-1, N_KNOTS)
-            spreads = (
-                np.einsum("nqk,qk->nq", shares, heights).std(axis=0) if len(rows) else np.zeros(len(own))
-            )
-            found.append(
-                tuple(replace(each, spread=float(spread)) for each, spread in zip(own, spreads, strict=True))
-            )
-        return replace(self.total, questions=tuple(found))
-
     def values(self) -> FloatArray:
         """Return Q of all candidates, (n_candidates,)."""
-        total, evidence = self.total, self.evidence
-        out = np.empty(len(evidence.owner))
-        own = [
-            features @ np.concatenate([[], *(question.heights for question in questions)]).astype(np.float32)
-            + constant
-            for features, questions, constant in zip(
-                self.features, total.questions, total.constants, strict=True
-            )
-        ]
-        for values, candidates in zip(own, evidence.candidates, strict=True):
-            out[candidates] = values
-        if total.base is not None:
-            of_state = out[evidence.base_of(total.base)]
-            is_base = evidence.types == total.base
-            out = np.where(is_base, out, out + of_state[evidence.owner])
-        return out
+        total, out = self.total, np.empty(len(self.evidence.owner))
+        own = zip(self.features, total.questions, total.constants, self.evidence.candidates, strict=True)
+        for features, questions, constant, candidates in own:
+            heights = np.concatenate([[], *(question.heights for question in questions)]).astype(np.float32)
+            out[candidates] = features @ heights + constant
+        return self.evidence.with_base(out, total.base)
 
     def solved(self, settings: CurveSettings, *, sweeps: int) -> tuple[_Fit, FloatArray]:
         """Return the fit after policy iteration, and the returns (n,) that it explains.

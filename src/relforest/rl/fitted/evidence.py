@@ -131,6 +131,13 @@ class Evidence:
             candidates = self.taken[transitions]
         return transitions, np.searchsorted(self.candidates[number], candidates)
 
+    def with_base(self, values: FloatArray, base: int | None) -> FloatArray:
+        """Return values (c,) of all candidates, those of the base type added to the others of its state."""
+        if base is None:
+            return values
+        of_state = values[self.base_of(base)]
+        return np.where(self.types == base, values, values + of_state[self.owner])
+
     def best(self, values: FloatArray) -> FloatArray:
         """Return the largest value of the candidates of each state (s,), 0 where there are none."""
         out = np.zeros(len(self.starts) - 1)

@@ -13,13 +13,19 @@ from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.ensemble import ExtraTreesRegressor
 
 from relforest.forests.conditions import Condition
 from relforest.forests.packing import Packed, pack_conditions
 from relforest.rl.fitted.counted import counted_conditions, own_numbers
 from relforest.rl.fitted.evidence import Evidence
-from relforest.rl.fitted.forest_arrays import ForestArrays, forest_mean, joined, path_parts
+from relforest.rl.fitted.forest_arrays import (
+    LEAST_EXAMPLES,
+    ForestArrays,
+    forest_mean,
+    joined,
+    path_parts,
+    randomised,
+)
 from relforest.rl.fitted.questions import Measures, measured
 from relforest.rl.fitted.settings import ForestSettings
 from relforest.scenes import Schema
@@ -31,7 +37,6 @@ from relforest.support.progress import report
 # Trees only compare: what stands for "undefined" must lie outside of everything else.
 _UNDEFINED: Final = -1e6
 _FAR: Final = 1e6
-_LEAST_EXAMPLES: Final = 8
 # The share of features that is compared at a node where there are many that hardly matter.
 _SMALL_SHARE: Final = 0.1
 
@@ -75,13 +80,13 @@ class Horizon:
         Of the scenes of each action type.
     measured : tuple of tuple of Measured
         What is measured of actions of each type.
-    forests : ForestArrays
-        Trees of these measures and the number of objects.
+    trees : ForestArrays
+        Of these measures and the number of objects.
     """
 
     schemas: tuple[Schema, ...]
     measured: tuple[tuple[Measured, ...], ...]
-    forests: ForestArrays
+    trees: ForestArrays
     packed: tuple[Packed, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -104,16 +109,16 @@ class Horizon:
     @property
     def size(self) -> tuple[int, int]:
         """Number of trees and of their leaves."""
-        return int((self.forests.roots >= 0).sum()), int((self.forests.feature < 0).sum())
+        return int((self.trees.roots >= 0).sum()), int((self.trees.feature < 0).sum())
 
     def worth(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:
         """Return what actions (n,) of one type are worth with so many left, 0 where nothing was learned."""
-        return forest_mean(self.forests, *self._asked(number, seen, remaining))
+        return forest_mean(self.trees, *self._asked(number, seen, remaining))
 
     def shares(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:
         """Return the parts of `worth`, (n, k + 2): the type as such, each measure, the number of objects."""
         is_counted = np.array([each.condition.n_free > 0 for each in self.measured[number]], dtype=np.bool_)
-        found = path_parts(self.forests, *self._asked(number, seen, remaining))
+        found = path_parts(self.trees, *self._asked(number, seen, remaining))
         n = len(is_counted)
         out = np.column_stack([found[:, : 1 + n], found[:, -1]])
         out[:, 1 + np.flatnonzero(is_counted)] += found[:, 1 + n : -1]
@@ -128,7 +133,7 @@ class Horizon:
         self, number: int, seen: Measures, remaining: int | None
     ) -> tuple[IntArray, NDArray[np.float32]]:
         """Return the roots of the trees for so many actions left, and what they compare."""
-        roots = self.forests.roots
+        roots = self.trees.roots
         left = len(roots) if remaining is None else min(max(remaining, 1), len(roots))
         return roots[left - 1, number], _features([each.condition for each in self.measured[number]], seen)
 
@@ -187,8 +192,8 @@ def learned_backwards(
         grown.append([])
         for number, (transitions, rows) in enumerate(examples):
             trees: list[Any] = []
-            if len(rows) > _LEAST_EXAMPLES:
-                model = _randomised(settings, settings.share, rng)
+            if len(rows) > LEAST_EXAMPLES:
+                model = randomised(settings, settings.share, rng, evidence.n_jobs)
                 model.fit(columns[number][rows], targets[transitions])
                 trees = [tree.tree_ for tree in model.estimators_]
                 own = joined([[trees]])
@@ -216,26 +221,16 @@ def _counted(
     transitions, rows = evidence.examples(number, is_base=False)
     # Among more conditions than transitions, chance would choose.
     new = counted_conditions(scenes, max(n, min(settings.tried, len(rows))), rng)
-    if len(new) > n and len(rows) > _LEAST_EXAMPLES:
+    if len(new) > n and len(rows) > LEAST_EXAMPLES:
         some = np.sort(rng.permutation(len(rows))[: settings.max_scenes])
         tried = [*own_numbers(scenes.schema), *new]
         seen = measured(pack_conditions(scenes.schema, tried), scenes.take(rows[some]), evidence.n_jobs)
         # What is earned at once is known, and other conditions can still turn out to matter later.
-        model = _randomised(settings, _SMALL_SHARE, rng)
+        model = randomised(settings, _SMALL_SHARE, rng, evidence.n_jobs)
         model.fit(_features(tried, seen), evidence.rewards[transitions[some]])
         found = _with_importance(tried, model.feature_importances_)
         new = _most_important([each for each in found if each.condition.n_free], n)
     yield from new[:n]
-
-
-def _randomised(settings: ForestSettings, share: float, rng: np.random.Generator) -> ExtraTreesRegressor:
-    """Return randomised trees that compare this share of the features at a node."""
-    return ExtraTreesRegressor(
-        settings.trees,
-        min_samples_leaf=settings.min_leaf,
-        max_features=share,
-        random_state=int(rng.integers(2**31)),
-    )
 
 
 def _most_important(known: Sequence[Measured], n: int) -> list[Condition]:

@@ -9,9 +9,9 @@ import numpy as np
 
 from relforest.forests.conditions import Condition
 from relforest.rl.experience import Experience
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.questions import N_KNOTS, Question, measured, spokesmen
 from relforest.rl.fitted.standing import margins_of_choices
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.scenes import Scenes
 from relforest.scenes.arrays import FloatArray, IntArray
@@ -30,7 +30,8 @@ class Influence:
         The action type.
     condition : Condition
     questions : tuple of Question
-        Where the value is a sum, the questions that are about nearly this condition, itself the first.
+        Where the value is a sum, the questions that are about nearly this condition, itself the first. Their
+        heights are as they count where there are trees too.
     scenes : Scenes
         Actions that were taken (n).
     margins : (n,) float64
@@ -95,6 +96,6 @@ def influences(value: QValue, experience: Experience, most: int) -> list[Influen
 def _questions(value: QValue, number: int, place: int) -> tuple[Question, ...]:
     if not isinstance(value.learned, Sum):
         return ()
-    own = value.learned.questions[number]
+    learned, own = value.learned, value.learned.questions[number]
     like = [other for other, stands in enumerate(spokesmen(own)) if stands == place and other != place]
-    return tuple(own[other] for other in (place, *like))
+    return tuple(learned.curve(number, own[other]) for other in (place, *like))

@@ -13,7 +13,7 @@ import numpy as np
 from relforest.rl.configuration import check_attributes, check_world, describe_run
 from relforest.rl.experience import Experience, concatenate, latest
 from relforest.rl.experience_files import EXPERIENCE_FILES, experience_files, read_experience
-from relforest.rl.fitted.additive import Sum, improved
+from relforest.rl.fitted.additive import improved
 from relforest.rl.fitted.evidence import Evidence
 from relforest.rl.fitted.horizon import Horizon, learned_backwards
 from relforest.rl.fitted.policy_json import (
@@ -28,8 +28,10 @@ from relforest.rl.fitted.policy_json import (
     value_of,
 )
 from relforest.rl.fitted.settings import QSettings, Source
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
+from relforest.rl.fitted.voting import with_trees
 from relforest.rl.policy_json import POLICY
 from relforest.rl.practice import ANYHOW, Practice
 from relforest.rl.rollout import Environment, rollout, tested, world_of
@@ -70,7 +72,7 @@ class QLearner:
     """Fitted Q iteration on relational features; its states are `QKnowledge`.
 
     Its files are ``experience/iteration-0001.npz`` and so on, and ``forests/iteration-0001.npz`` of the last
-    iteration where the task limits the number of actions.
+    iteration.
 
     Parameters
     ----------
@@ -151,7 +153,9 @@ class QLearner:
         rounds = max(1, round(settings.curves.rounds * n_new / _PER_EPISODES))
         curves = replace(settings.curves, rounds=rounds)
         first = first if isinstance(first, Sum) and any(first.constants) else None
-        learned = improved(known, evidence, curves, rng, start=first, is_first=not any(known.constants))
+        is_first = not any(known.constants)
+        learned, targets = improved(known, evidence, curves, rng, start=first, is_first=is_first)
+        learned = with_trees(learned, targets, evidence, settings, rng, start=first)
         return QValue(view, world.action_types, learned)
 
     def evaluate(self, state: QKnowledge, number: int) -> Row:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.forest_arrays import ForestArrays, forests_of
 from relforest.rl.fitted.horizon import Horizon, Measured
 from relforest.rl.fitted.questions import Question
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.value import QValue
 from relforest.rl.fitted.view import View
 from relforest.runs.store import Checkpoint
@@ -45,7 +45,12 @@ def describe(value: QValue) -> dict[str, Any]:
     if isinstance(learned, Sum):
         questions = [[question.to_dict() for question in own] for own in learned.questions]
         return document | {
-            "sum": {"base": learned.base, "constants": list(learned.constants), "questions": questions}
+            "sum": {
+                "base": learned.base,
+                "constants": list(learned.constants),
+                "questions": questions,
+                "has_trees": learned.trees is not None,
+            }
         }
     measured = [[each.to_dict() for each in own] for own in learned.measured]
     return document | {"horizon": {"measured": measured}}
@@ -53,9 +58,8 @@ def describe(value: QValue) -> dict[str, Any]:
 
 def forest_files(value: QValue | None, iteration: int) -> dict[str, Mapping[str, NDArray[Any]]]:
     """Return the forests of a policy, if it has any, by the name of their file."""
-    if value is None or isinstance(value.learned, Sum):
-        return {}
-    return {_forest_file(iteration): value.learned.forests._asdict()}
+    forests = None if value is None else value.learned.trees
+    return {} if forests is None else {_forest_file(iteration): forests._asdict()}
 
 
 def learned_value(checkpoint: Checkpoint, folder: Path) -> QValue:
@@ -90,16 +94,17 @@ def value_of(document: Any, folder: Path, iteration: int) -> QValue:  # noqa: AN
         types = tuple(ActionType(each["name"], tuple(each["parameters"])) for each in document["actions"])
         schemas = view.schemas(types)
         if "sum" in document:
-            return QValue(view, types, _sum(document["sum"], schemas))
+            return QValue(view, types, _sum(document["sum"], schemas, folder / _forest_file(iteration)))
         measured = tuple(
             tuple(Measured.from_dict(each, schema) for each in own)
             for own, schema in zip(document["horizon"]["measured"], schemas, strict=True)
         )
-        forests = _forests(folder / _forest_file(iteration), measured)
-        return QValue(view, types, Horizon(schemas, measured, forests))
+        widths = [sum(1 + (each.condition.n_free > 0) for each in own) + 1 for own in measured]
+        trees = _forests(folder / _forest_file(iteration), widths)
+        return QValue(view, types, Horizon(schemas, measured, trees))
 
 
-def _sum(document: Any, schemas: tuple[Schema, ...]) -> Sum:  # noqa: ANN401 - not checked yet
+def _sum(document: Any, schemas: tuple[Schema, ...], path: Path) -> Sum:  # noqa: ANN401 - not checked yet
     base, constants = document["base"], document["constants"]
     if base is not None:
         base = between("base", base, 0, len(schemas) - 1)
@@ -110,11 +115,11 @@ def _sum(document: Any, schemas: tuple[Schema, ...]) -> Sum:  # noqa: ANN401 - n
     if len(constants) != len(schemas) or any(len(own) > _MOST_CONDITIONS for own in questions):
         raise ModelFormatError("each action type needs a constant and a list of questions")
     numbers = tuple(float(in_range("constant", each, -LARGEST_NUMBER, LARGEST_NUMBER)) for each in constants)
-    return Sum(schemas, base, numbers, questions)
+    trees = _forests(path, [len(own) for own in questions]) if document["has_trees"] else None
+    return Sum(schemas, base, numbers, questions, trees)
 
 
-def _forests(path: Path, measured: tuple[tuple[Measured, ...], ...]) -> ForestArrays:
-    widths = [sum(1 + (each.condition.n_free > 0) for each in own) + 1 for own in measured]
+def _forests(path: Path, widths: Sequence[int]) -> ForestArrays:
     return forests_of(read_npz(path, ForestArrays._fields), widths, origin=str(path))
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from relforest.forests.packing import pack_conditions
 from relforest.rl.explaining import AS_SUCH, Key, Part, Told
-from relforest.rl.fitted.additive import Sum
 from relforest.rl.fitted.horizon import Horizon
 from relforest.rl.fitted.questions import Measures, measured, measured_rows
 from relforest.rl.fitted.standing import in_words, witnesses
+from relforest.rl.fitted.sum import Sum
 from relforest.rl.fitted.view import View
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray, IntArray
