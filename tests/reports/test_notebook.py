@@ -3,6 +3,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -99,3 +100,12 @@ def test_estimators_keep_the_diagram_of_their_library() -> None:
 
 def test_unknown_values_are_told_as_they_are() -> None:
     assert as_html("<a>") == '<pre style="white-space: pre-wrap">&#x27;&lt;a&gt;&#x27;</pre>'
+
+
+def test_blocks_have_their_shapes_and_colors() -> None:
+    env = gymnasium.make("relforest/HighTowers-v0")
+    _, info = env.reset(seed=0)
+
+    drawn = [each for each in parsed(as_html(info["scene"])).iter() if each.tag == "polygon"]
+    assert len(drawn) == 5
+    assert len({each.attrib["style"].partition(";")[0] for each in drawn}) == 5

@@ -31,14 +31,6 @@ def test_columns_survive_a_file(tmp_path: Path) -> None:
         np.testing.assert_array_equal(getattr(found, name), getattr(experience, name))
 
 
-def test_a_batch_written_before_there_were_private_objects_has_none(tmp_path: Path) -> None:
-    arrays = two_episodes().arrays()
-    del arrays["private"]
-    write_npz(tmp_path / "batch.npz", arrays)
-    read = read_npz(tmp_path / "batch.npz", COLUMNS, optional=OPTIONAL_COLUMNS)
-    assert Experience.from_arrays(read, origin="batch.npz").private.tolist() == [0, 0, 0, 0, 0]
-
-
 def test_files_say_how_many_actions_remain_where_there_is_a_limit(tmp_path: Path) -> None:
     assert "remaining" not in two_episodes().arrays()
     for limits in ([2, 1, 0, 4, 3], [-1, -1, -1, -1, -1]):

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from pyarrow import parquet
 
 from relforest.scenes import Attribute, Scenes, Schema, iter_scene_batches
-from relforest.scenes.digests import column_digest, document_digest
 from relforest.scenes.parquet import sealed, to_table, write_table
 from relforest.support.errors import InputError, ModelFormatError
 from strategies import assert_same_scenes, scenes_batches
@@ -228,26 +227,6 @@ def test_files_without_digests_are_read(tmp_path: Path) -> None:
     write_table(tmp_path / "scenes.parquet", to_table(two_scenes().parts))
 
     assert_same_scenes(Scenes.from_parquet(tmp_path / "scenes.parquet"), two_scenes())
-
-
-@pytest.mark.parametrize("weight", [None, 5.5])
-def test_digests_of_whole_columns_are_those_of_earlier_files(weight: float | None, tmp_path: Path) -> None:
-    table = to_table(two_scenes().parts)
-    document = json.loads(table.schema.metadata[b"relforest"])
-    digests = {name: column_digest(table[name]) for name in table.column_names}
-    digests[""] = document_digest(document)
-    if weight is not None:
-        table = with_column("weight", [None, weight, weight])
-    metadata = json.dumps(document | {"digests": digests}).encode()
-    write_table(tmp_path / "scenes.parquet", table.replace_schema_metadata({b"relforest": metadata}))
-
-    # They say nothing about a part of the file.
-    assert [len(scenes) for scenes in iter_scene_batches(tmp_path / "scenes.parquet")] == [2]
-    if weight is None:
-        assert_same_scenes(Scenes.from_parquet(tmp_path / "scenes.parquet"), two_scenes())
-    else:
-        with pytest.raises(ModelFormatError, match="column 'weight' was changed"):
-            Scenes.from_parquet(tmp_path / "scenes.parquet")
 
 
 @pytest.mark.parametrize(("column", "values"), [("weight", [None, 5.5, 5.0]), ("object", ["p", "r", "r"])])

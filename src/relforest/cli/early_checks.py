@@ -39,12 +39,7 @@ class UsageError(RelforestError):
 def check_options(options: Any, arguments: Sequence[str]) -> None:  # noqa: ANN401 - of any command
     """Check what needs no more than a look: ranges of numbers, and paths.
 
-    Parameters
-    ----------
-    options : dataclass
-        Options of a command.
-    arguments : sequence of str
-        The arguments that they were read from.
+    The options were read from `arguments`.
 
     Raises
     ------
@@ -93,12 +88,7 @@ def option_name(parameter: str) -> str:
 def naming_options(parameters: Iterable[str], **renamed: str) -> Iterator[None]:
     """Turn an `InputError` about a parameter into a `UsageError` about the option that sets it.
 
-    Parameters
-    ----------
-    parameters : iterable of str
-        Parameters with an option of the same name.
-    **renamed : str
-        Other parameters, and the names of their options.
+    The parameters have options of the same name; the keywords name the options of others.
     """
     try:
         yield

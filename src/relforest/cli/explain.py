@@ -5,12 +5,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, final
 
-from tyro.conf import Positional, arg
+from tyro.conf import OmitArgPrefixes, Positional, arg
 
+from relforest.cli.csv_options import CsvOptions
 from relforest.cli.one_scene import chosen_scene, find_scene
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note, working
@@ -47,12 +48,8 @@ class ExplainOptions:
     within
         Where objects may go: the least coordinates, then the largest ones, such as LEFT LOW RIGHT HIGH.
         Default: where the objects of the scene are, and a fifth more on every side.
-    separator
-        Field separator of a CSV file: one character or "tab". Detected by default.
-    decimal
-        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
-    encoding
-        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
+    csv
+        How a CSV file is written.
     jobs
         Threads; the result does not depend on it.
     out
@@ -66,9 +63,7 @@ class ExplainOptions:
     of: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="")] = None
     object: Annotated[str | None, arg(metavar="ID", help_behavior_hint="")] = None
     within: Annotated[tuple[float, ...], arg(metavar="NUMBER...", help_behavior_hint="")] = ()
-    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    csv: OmitArgPrefixes[CsvOptions] = field(default_factory=CsvOptions)
     jobs: int = 1
     out: Annotated[Path | None, arg(metavar="PAGE", help_behavior_hint="(default: no page)")] = None
     force: bool = False
@@ -86,12 +81,11 @@ def explain(options: ExplainOptions) -> int:
 
     from relforest.explaining import explain_prediction, explanation_page, row_named
     from relforest.models import read_model
-    from relforest.scenes.dialect import Dialect
     from relforest.support.files import write_text
 
     model = read_model(options.model)
     key, path = chosen
-    scene = find_scene(key, path, model, Dialect(options.separator, options.decimal, options.encoding))
+    scene = find_scene(key, path, model, options.csv.dialect)
     scene = scene.compact()
     half = len(options.within) // 2
     with working(f"explaining scene {key}"):

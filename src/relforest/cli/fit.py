@@ -5,12 +5,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, final
 
-from tyro.conf import Positional, UseAppendAction, arg
+from tyro.conf import OmitArgPrefixes, Positional, UseAppendAction, arg
 
+from relforest.cli.csv_options import CsvOptions
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note, working
 from relforest.support.errors import InputError
@@ -87,12 +88,8 @@ class FitOptions:
         A relation between objects, named by a verb, and its column, which contains for each object the ids of
         those that it is related to, in text separated by ";": "touches=contacts". Append ":directed" if it
         matters which object is named first. Models of boosting, forests and rules ask about relations.
-    separator
-        Field separator of a CSV file: one character or "tab". Detected by default.
-    decimal
-        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
-    encoding
-        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
+    csv
+        How a CSV file is written.
     trees
         Trees of boosting or a forest (100 by default), of the boosted model that proposes rules (200), or of
         each model that is weighed for an outcome (100).
@@ -131,9 +128,7 @@ class FitOptions:
     attribute: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN[,COLUMN...]")] = ()
     arguments: Annotated[str, arg(metavar="COLUMN[,COLUMN...]", help_behavior_hint="")] = ""
     relation: Annotated[UseAppendAction[tuple[str, ...]], arg(metavar="NAME=COLUMN")] = ()
-    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    csv: OmitArgPrefixes[CsvOptions] = field(default_factory=CsvOptions)
     target: Literal["auto", "classes", "numbers"] = "auto"
     positive: Annotated[str | None, arg(metavar="LABEL", help_behavior_hint="")] = None
     model: Literal["tree", "boosting", "forest", "smrf-forest", "rules", "outcome"] = "tree"
@@ -153,7 +148,6 @@ class FitOptions:
 def fit(options: FitOptions) -> int:
     """Learn a model with the given options; the exit code is 0."""
     from relforest.models import as_model, read_training_data, write_model
-    from relforest.scenes.dialect import Dialect
 
     check_free(options.out, force=options.force)
     data = read_training_data(
@@ -161,7 +155,7 @@ def fit(options: FitOptions) -> int:
         options.label,
         target=options.target,
         positive=options.positive,
-        dialect=Dialect(options.separator, options.decimal, options.encoding),
+        dialect=options.csv.dialect,
         remedy=_REMEDY,
         **_columns(options),
     )
@@ -191,10 +185,10 @@ def _learner(options: FitOptions, data: TrainingData) -> SceneLearner:
     from relforest.forests.rule_set_estimator import RULE_GROWTH
     from relforest.trees import TreeSettings
 
-    for field in fields(options):
-        models = _OPTIONS.get(field.name, _MODELS)
-        if options.model not in models and getattr(options, field.name) != field.default:
-            name = field.name.replace("_", "-")
+    for entry in fields(options):
+        models = _OPTIONS.get(entry.name, _MODELS)
+        if options.model not in models and getattr(options, entry.name) != entry.default:
+            name = entry.name.replace("_", "-")
             raise InputError(f"--{name} is an option of --model {', '.join(models)}, not of {options.model}")
     if options.model in {"rules", "outcome"} and (data.classes is None or len(data.classes) > 2):
         found = "numbers" if data.classes is None else f"{len(data.classes)} classes"

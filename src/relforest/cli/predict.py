@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, final
 
-from tyro.conf import Positional, arg
+from tyro.conf import OmitArgPrefixes, Positional, arg
 
+from relforest.cli.csv_options import CsvOptions
 from relforest.cli.outputs import check_free, print_data
 from relforest.cli.progress import note, working
 
@@ -47,12 +48,8 @@ class PredictOptions:
         compressed (.csv.gz).
     out
         CSV or .parquet file to write, or a folder.
-    separator
-        Field separator of a CSV file: one character or "tab". Detected by default.
-    decimal
-        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
-    encoding
-        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
+    csv
+        How a CSV file is written.
     jobs
         Threads; the result does not depend on it.
     force
@@ -62,9 +59,7 @@ class PredictOptions:
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
     table: Annotated[Positional[Path], arg(metavar="TABLE")]
     out: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")] = None
-    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    csv: OmitArgPrefixes[CsvOptions] = field(default_factory=CsvOptions)
     jobs: int = 1
     force: bool = False
 
@@ -73,7 +68,6 @@ def predict(options: PredictOptions) -> int:
     """Predict with the given options; the exit code is 0."""
     from relforest.cli.predict_stream import parquet_output, predict_files
     from relforest.models import prediction_table, read_model
-    from relforest.scenes.dialect import Dialect
     from relforest.support.files import write_text
 
     out = parquet_output(options.table, options.out)
@@ -86,8 +80,7 @@ def predict(options: PredictOptions) -> int:
     if options.out is not None:
         check_free(options.out, force=options.force)
     model = read_model(options.model)
-    dialect = Dialect(options.separator, options.decimal, options.encoding)
-    scenes = model.read_scenes(options.table, dialect=dialect)
+    scenes = model.read_scenes(options.table, dialect=options.csv.dialect)
     text = _as_csv(prediction_table(model, scenes, n_jobs=options.jobs))
     if options.out is None:
         print_data(text)

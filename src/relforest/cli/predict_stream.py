@@ -43,23 +43,8 @@ def parquet_output(table: Path, out: Path | None) -> Path | None:
 def predict_files(model: Model, table: Path, out: Path, *, n_jobs: int, force: bool) -> int:
     """Write the predictions for all scenes of Parquet files, all of them or none.
 
-    Parameters
-    ----------
-    model : Model
-    table : Path
-        A Parquet file, a folder of them, or a pattern.
-    out : Path
-        A file that ends in .parquet; or a folder, which gets a file for each one that is read, with the same
-        name and the scenes that begin in it.
-    n_jobs : int
-        Threads.
-    force : bool
-        Whether files may be replaced.
-
-    Returns
-    -------
-    int
-        Number of scenes.
+    The output is a file that ends in .parquet; or a folder, which gets a file for each one that is read, with
+    the same name and the scenes that begin in it. The number of scenes is returned.
 
     Raises
     ------

@@ -5,12 +5,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, final
 
-from tyro.conf import Positional, arg
+from tyro.conf import OmitArgPrefixes, Positional, arg
 
+from relforest.cli.csv_options import CsvOptions
 from relforest.cli.one_scene import chosen_scene, find_scene
 from relforest.cli.outputs import check_free
 from relforest.cli.progress import note
@@ -60,12 +61,8 @@ class ShowOptions:
         "--scene K --of FILE".
     of
         The file of the scene, if --scene does not name it.
-    separator
-        Field separator of a CSV file: one character or "tab". Detected by default.
-    decimal
-        Decimal mark of a CSV file: "." or ",". Detected by default where only one is possible.
-    encoding
-        Encoding of a CSV file, such as latin-1. The default is UTF-8, or UTF-16 where detected.
+    csv
+        How a CSV file is written.
     out
         Picture (.svg or .png), page (.html) or code (.py or .sql) to write.
     force
@@ -75,9 +72,7 @@ class ShowOptions:
     model: Annotated[Positional[Path], arg(metavar="MODEL")]
     scene: Annotated[tuple[str, ...], arg(metavar="K [of FILE]", help_behavior_hint="")] = ()
     of: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="")] = None
-    separator: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    decimal: Annotated[str | None, arg(metavar="CHARACTER", help_behavior_hint="")] = None
-    encoding: Annotated[str | None, arg(metavar="NAME", help_behavior_hint="")] = None
+    csv: OmitArgPrefixes[CsvOptions] = field(default_factory=CsvOptions)
     out: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
     force: bool = False
 
@@ -89,7 +84,6 @@ def show(options: ShowOptions) -> int:
     from relforest.models import read_model
     from relforest.reports.figure_files import check_suffix
     from relforest.reports.tree_path import path_in_words, tree_path
-    from relforest.scenes.dialect import Dialect
     from relforest.trees import Tree
 
     suffix = "" if options.out is None else options.out.suffix.lower()
@@ -109,12 +103,11 @@ def show(options: ShowOptions) -> int:
         if chosen is not None:
             raise InputError(f"--scene belongs to models and trees, and {options.model} is a folder: omit it")
         return _show_run(options)
-    dialect = Dialect(options.separator, options.decimal, options.encoding)
     model = read_model(options.model)
     is_shared = suffix in _SHARED
     if not is_shared and (options.out is not None or chosen is not None):
         _ = model.tree  # an ensemble has neither a drawing nor a path
-    scene = None if chosen is None else find_scene(*chosen, model, dialect)
+    scene = None if chosen is None else find_scene(*chosen, model, options.csv.dialect)
     print(model.text)
     if scene is not None and isinstance(model.learned, Tree):
         print()

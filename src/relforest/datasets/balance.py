@@ -22,18 +22,11 @@ _MOST_BATCHES: Final = 1000
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """Scenes as one padded array.
+    """Scenes as one padded array."""
 
-    Attributes
-    ----------
-    objects : (m, n, width) float64, the attribute values of every object
-    counts : (m,) int64, the number of objects of a scene; the rest is padding
-    labels : (m,) bool
-    """
-
-    objects: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    labels: NDArray[np.bool_]
+    objects: NDArray[np.float64]  # (m, n, width)
+    counts: NDArray[np.int64]  # (m,)
+    labels: NDArray[np.bool_]  # (m,)
 
 
 def is_object(counts: NDArray[np.int64], n: int) -> NDArray[np.bool_]:
@@ -45,14 +38,7 @@ def is_object(counts: NDArray[np.int64], n: int) -> NDArray[np.bool_]:
 def balanced(rng: np.random.Generator, n_scenes: int, draw: Callable[[int], Candidates]) -> Candidates:
     """Draw candidates until ``n_scenes // 2`` are positive and the others negative; their order is random.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the order.
-    n_scenes : int
-        Number of scenes, at least 2.
-    draw : callable
-        Returns the given number of candidates, all with the same padding.
+    A call of `draw` returns the given number of candidates, all with the same padding.
 
     Raises
     ------

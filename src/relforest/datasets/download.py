@@ -33,19 +33,10 @@ def data_file(
 ) -> tuple[Path, bytes]:
     """Find a file of the registry, or download it into the cache.
 
-    Parameters
-    ----------
-    name : str
-        The file.
-    registry : mapping of str to str
-        SHA-256 hashes, in hexadecimal digits, of files by name.
-    data_home : path, optional
-        The cache; by default a folder ``relforest`` among the user's caches.
-    base_url : str, optional
-        Address of the folder that holds the file, http or https; by default that of the environment variable
-        ``RELFOREST_DATA_URL``, if it is set.
-    source : str
-        Where the data come from, for messages.
+    The registry maps files to SHA-256 hashes, in hexadecimal digits. The cache is by default a folder
+    ``relforest`` among the user's caches. The address of the folder that holds the file, http or https, is by
+    default that of the environment variable ``RELFOREST_DATA_URL``, if it is set. Messages name the source of
+    the data.
 
     Returns
     -------

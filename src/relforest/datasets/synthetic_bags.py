@@ -95,19 +95,8 @@ def _diagonal(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 def plant(rng: np.random.Generator, positives: NDArray[np.float64], bags: NDArray[np.float64]) -> BagSet:
     """Label half of the bags positive and put one positive point into each of those.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the order of the labels and of the places.
-    positives : (n_bags, d) float64
-        A positive point for every bag, used in the positive ones.
-    bags : (n_bags, size, d) float64
-        Negative points; one in each positive bag is overwritten.
-
-    Returns
-    -------
-    BagSet
-        ``n_bags // 2`` of the bags are positive.
+    There is a positive point (n_bags, d) for every bag, used in the positive ones; bags (n_bags, size, d) are
+    negative points, of which one in each positive bag is overwritten.
 
     References
     ----------

@@ -25,33 +25,18 @@ _N_X = 401
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Curves:
-    """What an agent has learned in a world with one variable.
+    """What an agent has learned in a world with one variable."""
 
-    Parameters
-    ----------
-    x : (n_x,) float64
-        Values of the variable.
-    q_values : (n_actions, n_x) float64
-        Value of each action type there.
-    bands : tuple of LeafBand
-        The active leaf of each tree there.
-    errors : BellmanErrors
-        Of the last batch of training examples.
-    """
-
-    x: FloatArray
-    q_values: FloatArray
-    bands: tuple[LeafBand, ...]
-    errors: BellmanErrors
+    x: FloatArray  # (n_x,) values of the variable
+    q_values: FloatArray  # (n_actions, n_x) value of each action type there
+    bands: tuple[LeafBand, ...]  # the active leaf of each tree there
+    errors: BellmanErrors  # of the last batch of training examples
 
 
 def curves(agent: SMRFRPI) -> Curves:
     """Return what an agent learned in the corridor.
 
-    Parameters
-    ----------
-    agent : SMRFRPI
-        Has learned for at least one iteration in a world with one object and one 1-D attribute from 0 to 1.
+    It has learned for at least one iteration in a world with one object and one 1-D attribute from 0 to 1.
     """
     x = np.linspace(0.0, 1.0, _N_X)
     value = agent.value_
@@ -72,11 +57,6 @@ def q_function_picture(folder: Path, env: Environment) -> Figure:
 
 def q_function_figure(agent: SMRFRPI) -> Figure:
     """Draw what an agent learned in the corridor: Q values, Bellman errors of the last batch, active leaves.
-
-    Parameters
-    ----------
-    agent : SMRFRPI
-        As for `curves`.
 
     References
     ----------

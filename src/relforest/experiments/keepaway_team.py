@@ -48,17 +48,7 @@ def benchmark_team(
     Bells stand a quarter of the benchmark's tile apart and have that as their standard deviation, so that a
     value is learned for about the same surroundings as with tiles.
 
-    Parameters
-    ----------
-    options : KeepawayOptions
-        The rules of the game.
-    settings : SarsaSettings, optional
-        Default: those of the benchmark.
-    kind : {"tiles", "bells"}
-        The features, see `relforest.rl.baselines.TileCoding`.
-    shared : bool
-        Whether all learn from everyone's experience (Palmer (2015), section 7.5.2).
-    random_state : int, SeedSequence, Generator or None
+    With `shared`, all learn from everyone's experience (Palmer (2015), section 7.5.2).
 
     References
     ----------
@@ -84,12 +74,7 @@ def scene_decision(players: NDArray[np.float64], keepers: int, actor: int) -> De
 def renewed(team: Team, random_state: RandomState = None, *, learn: bool) -> Team:
     """Return agents with copies of the weights, shared as before, and new traces and random streams.
 
-    Parameters
-    ----------
-    team : sequence of SarsaLambda
-    random_state : int, SeedSequence, Generator or None
-    learn : bool
-        Whether they learn; otherwise they always take a best action.
+    Those that do not `learn` always take a best action.
     """
     seed, weights = seed_sequence(random_state), {id(agent.weights): agent.weights.copy() for agent in team}
     return [
@@ -112,20 +97,9 @@ def play_episodes_with(
     As in the benchmark, an agent's reward is the number of cycles since it last had the ball in reach, and
     nothing is discounted. The cycles in which it merely finishes a pass are therefore not credited.
 
-    Parameters
-    ----------
-    team : sequence of SarsaLambda
-        One agent per keeper.
-    options : KeepawayOptions
-    episodes : int
-        How many, at least 1.
-    seed : SeedSequence
-        Of the games; the agents have random streams of their own.
+    There is one agent per keeper, with a random stream of its own; the seed is that of the games.
 
-    Returns
-    -------
-    (episodes,) int64
-        Durations in cycles.
+    Return durations in cycles, (episodes,).
 
     Raises
     ------

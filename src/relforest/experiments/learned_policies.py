@@ -25,7 +25,6 @@ from relforest.rl.policy import GreedyPolicy
 from relforest.rl.practice import ANYHOW, Practice
 from relforest.rl.refinement import Search
 from relforest.rl.saved_policy import AnyValue, read_policy
-from relforest.rl.vectors.learner import VectorValue
 from relforest.runs.store import CHECKPOINT, read_checkpoint
 from relforest.scenes.arrays import IntArray
 from relforest.smdp import Decision, Decisions
@@ -103,39 +102,14 @@ class AgentPolicy:
         return replace(self, value=self.value.with_questions(n))
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class VectorPolicy:
-    """What fitted Q on vectors has learned, for a fixed number of players."""
-
-    value: VectorValue
-
-    def choose(self, decision: Decision, rng: np.random.Generator) -> int:
-        """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
-        return GreedyPolicy(self.value).choose(decision, rng)
-
-    def choose_all(self, decisions: Decisions, rngs: Sequence[np.random.Generator]) -> IntArray:
-        """Return the choice for each decision, (n_decisions,)."""
-        return GreedyPolicy(self.value).choose_all(decisions, rngs)
-
-    def values(self, decision: Decision) -> NDArray[np.float64]:
-        """Return the values of all actions, (n_actions,)."""
-        return self.value.values(decision)
-
-
-LearnedPolicy: TypeAlias = TeamPolicy | AgentPolicy | VectorPolicy
+LearnedPolicy: TypeAlias = TeamPolicy | AgentPolicy | GreedyPolicy
 
 
 def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> LearnedPolicy:
     """Return the policy of a run folder of ``relforest learn``.
 
-    Parameters
-    ----------
-    folder : path
-        Of a single run.
-    env : gymnasium.Env
-        The world to play in. Relational policies play any world with the attributes and action types that
-        they were learned with; the others play keepaway, with as many players as they were learned with.
+    The run is a single one. Relational policies play any world with the attributes and action types that they
+    were learned with; the others play keepaway, with as many players as they were learned with.
 
     Raises
     ------
@@ -175,9 +149,9 @@ def agent_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> AgentPolicy:
     return AgentPolicy(value, env)
 
 
-def vector_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> VectorPolicy:
+def vector_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> GreedyPolicy:
     """Return what fitted Q on vectors has learned; see `learned_policy`."""
-    return VectorPolicy(vector_value(folder, env)[1])
+    return GreedyPolicy(vector_value(folder, env)[1])
 
 
 def team_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> TeamPolicy:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias, final
 
 from relforest.experiments.tasks import MethodName, Task
 from relforest.rl.baselines.settings import SarsaSettings
@@ -24,48 +24,38 @@ Options: TypeAlias = Mapping[str, Any]
 """The options of `relforest.experiments.run_config.RunConfig` that belong to a method; None = the default."""
 
 
+class Work(NamedTuple):
+    """What a learner is made for."""
+
+    task: Task
+    options: Options
+    episodes: tuple[int, int]  # of training and of tests, per iteration
+    seed: np.random.SeedSequence  # of the run
+    n_jobs: int  # threads
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Method:
     """A learner: everything that the rest of ``relforest learn`` must know of it.
 
     The functions are named by module and function and imported when they are called.
-
-    Parameters
-    ----------
-    title : str
-        Its name in messages.
-    settings : str, optional
-        Where `relforest.experiments.run_config.RunConfig` and the command line have its settings.
-    others : tuple of str
-        Further options of `RunConfig` that belong to it.
-    make : callable
-        Turns a task, options, the numbers of training and test episodes per iteration, the seed of a run and
-        a number of threads into the learner.
-    manifest : callable
-        Turns a task and options into what ``run.json`` says of them.
-    report : str, optional
-        The function that tells what the folder of a run holds. Without one, there are only rewards to tell.
-    policy : str
-        The function that turns the folder of a run and an environment into a policy.
-    mark : str
-        The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`.
-    needs : str, optional
-        The package that it learns with and that the extra ``bench`` installs.
-    needs_source : bool
-        Whether it must begin with another run.
     """
 
-    title: str
+    title: str  # its name in messages
     settings: str | None
-    others: tuple[str, ...]
-    make: Callable[[Task, Options, tuple[int, int], np.random.SeedSequence, int], Learner[Any]]
+    """Where `relforest.experiments.run_config.RunConfig` and the command line have its settings."""
+    others: tuple[str, ...]  # further options of `RunConfig` that belong to it
+    make: Callable[[Work], Learner[Any]]
     manifest: Callable[[Task, Options], dict[str, Any]]
+    """Turns a task and options into what ``run.json`` says of them."""
     report: str | None
-    policy: str
+    """The function that tells what the folder of a run holds. Without one, there are only rewards to tell."""
+    policy: str  # the function that turns the folder of a run and an environment into a policy
     mark: str
-    needs: str | None = None
-    needs_source: bool = False
+    """The entry of ``checkpoint.json`` that tells its runs from those of learners with another `policy`."""
+    needs: str | None = None  # the package that it learns with and that the extra ``bench`` installs
+    needs_source: bool = False  # whether it must begin with another run
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -82,14 +72,12 @@ class Method:
 # ruff: noqa: PLC0415
 
 
-def _rpi_learner(
-    task: Task, options: Options, episodes: tuple[int, int], seed: np.random.SeedSequence, n_jobs: int
-) -> Learner[Any]:
+def _rpi_learner(work: Work) -> Learner[Any]:
     from relforest.rl.learner import RPILearner
 
-    discount = options["discount"]
-    env, settings = task.make(discount), _rpi_settings(task, options)
-    return RPILearner(env, settings, seed, *episodes, n_jobs, task.practice(env, discount))
+    task, discount = work.task, work.options["discount"]
+    env, settings = task.make(discount), _rpi_settings(task, work.options)
+    return RPILearner(env, settings, work.seed, *work.episodes, work.n_jobs, task.practice(env, discount))
 
 
 def _rpi_manifest(task: Task, options: Options) -> dict[str, Any]:
@@ -104,19 +92,13 @@ def _rpi_settings(task: Task, options: Options) -> RPISettings:
     return replace(settings, features=options["features"] or settings.features)
 
 
-def _q_learner(
-    task: Task,
-    options: Options,
-    episodes: tuple[int, int],
-    seed: np.random.SeedSequence,
-    n_jobs: int,
-) -> Learner[Any]:
+def _q_learner(work: Work) -> Learner[Any]:
     from relforest.rl.fitted.learner import QLearner
 
-    discount, settings = _q_discount(options), options["q"] or QSettings()
-    env = task.make(discount)
-    practice = task.practice(env, discount)
-    return QLearner(env, settings, seed, *episodes, n_jobs, options["source"], practice)
+    options, discount = work.options, _q_discount(work.options)
+    env, settings = work.task.make(discount), options["q"] or QSettings()
+    practice = work.task.practice(env, discount)
+    return QLearner(env, settings, work.seed, *work.episodes, work.n_jobs, options["source"], practice)
 
 
 def _q_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
@@ -133,23 +115,14 @@ def _q_discount(options: Options) -> float:
     return Q_DISCOUNT if options["discount"] is None else float(options["discount"])
 
 
-def _sarsa_learner(
-    task: Task,
-    options: Options,
-    episodes: tuple[int, int],
-    seed: np.random.SeedSequence,
-    n_jobs: int,  # noqa: ARG001 - of every learner
-    *,
-    shared: bool,
-    kind: TileKind,
-) -> Learner[Any]:
+def _sarsa_learner(work: Work, *, shared: bool, kind: TileKind) -> Learner[Any]:
     from relforest.experiments.sarsa import SarsaLearner
     from relforest.worlds.keepaway.server.options import KeepawayOptions
 
-    rules = KeepawayOptions(**task.options)
-    source: Source | None = options.get("source")
+    rules, settings = KeepawayOptions(**work.task.options), work.options["sarsa"] or SarsaSettings()
+    source: Source | None = work.options.get("source")
     trees = None if source is None else source.folder
-    return SarsaLearner(rules, options["sarsa"] or SarsaSettings(), shared, seed, *episodes, kind, trees)
+    return SarsaLearner(rules, settings, shared, work.seed, *work.episodes, kind, trees)
 
 
 def _sarsa_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner
@@ -172,18 +145,10 @@ def _sarsa(*others: str, shared: bool = False, kind: TileKind = "tiles") -> Meth
     )
 
 
-def _vector_learner(
-    task: Task,
-    options: Options,
-    episodes: tuple[int, int],
-    seed: np.random.SeedSequence,
-    n_jobs: int,  # noqa: ARG001 - of every learner
-    *,
-    method: MethodName,
-) -> Learner[Any]:
+def _vector_learner(work: Work, *, method: MethodName) -> Learner[Any]:
     from relforest.experiments.vectors import vector_learner
 
-    return vector_learner(method, task.make(_q_discount(options)), seed, episodes)
+    return vector_learner(method, work.task.make(_q_discount(work.options)), work.seed, work.episodes)
 
 
 def _vector_manifest(task: Task, options: Options) -> dict[str, Any]:  # noqa: ARG001 - of every learner

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
-from relforest.experiments.methods import METHODS
+from relforest.experiments.methods import METHODS, Work
 from relforest.experiments.tasks import MethodName, Task, task_named
 from relforest.rl.baselines.settings import SarsaSettings
 from relforest.rl.fitted.settings import QSettings, Source
@@ -131,7 +131,7 @@ class RunConfig:
     def learner(self, run: int, *, n_jobs: int = 1) -> Learner[Any]:
         """Return what learns one of the runs; `n_jobs` candidate trees at the same time."""
         seed, episodes = stream(seed_sequence(self.seed), run), (self.episodes, self.tests)
-        return METHODS[self.method].make(self.definition, self.options, episodes, seed, n_jobs)
+        return METHODS[self.method].make(Work(self.definition, self.options, episodes, seed, n_jobs))
 
     def folders(self, out: Path) -> list[Path]:
         """Return the folder of each run: `out` itself for a single one, else ``out/run-00`` and so on."""

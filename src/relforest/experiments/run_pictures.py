@@ -18,16 +18,9 @@ REWARD: Final = "reward.png"
 def draw_runs(config: RunConfig, out: Path) -> list[Path]:
     """Draw the rewards of all runs and, where the task has such a picture, what the first one learned.
 
-    Parameters
-    ----------
-    config : RunConfig
-    out : path
-        The folder of the runs; every run has been learned.
+    Every run in the folder `out` has been learned.
 
-    Returns
-    -------
-    list of path
-        The pictures, which stand in `out`; those newer than the runs are left as they are.
+    Return the pictures, which stand in `out`; those newer than the runs are left as they are.
 
     References
     ----------

@@ -19,15 +19,10 @@ _NOTHING: Final = np.empty(0)
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """All numbers by what was measured.
-
-    Parameters
-    ----------
-    values : mapping
-        What was measured, such as part, condition and measure -> (n,) float64 in the order of the table.
-    """
+    """All numbers by what was measured."""
 
     values: Mapping[Key, NDArray[np.float64]]
+    """What was measured, such as part, condition and measure -> (n,) float64 in the order of the table."""
 
     @classmethod
     def of(cls, table: Table, *columns: str) -> Samples:

@@ -34,17 +34,11 @@ _FEATURES: Final = "features"
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Trained:
-    """A team after an iteration; its agents are never changed.
-
-    Parameters
-    ----------
-    team : sequence of SarsaLambda
-    reward : float or None
-        Mean duration of the training episodes of the iteration, in cycles; None if unknown.
-    """
+    """A team after an iteration; its agents are never changed."""
 
     team: Team
     reward: float | None = None
+    """Mean duration of the training episodes of the iteration, in cycles; None if unknown."""
 
 
 @final
@@ -54,31 +48,18 @@ class SarsaLearner:
 
     Its files are those of `relforest.rl.baselines.write_team` in ``model-0001/`` and so on, of the last
     iteration, and the trees that it began with, if any.
-
-    Parameters
-    ----------
-    rules : KeepawayOptions
-    settings : SarsaSettings
-    shared : bool
-        Whether all agents learn from everyone's experience.
-    seed : SeedSequence
-        Of the whole run.
-    episodes, test_episodes : int
-        Training and test episodes per iteration.
-    kind : {"tiles", "bells"}
-        The features, see `relforest.experiments.keepaway_team.benchmark_team`.
-    source : path, optional
-        A run of SMRF-RPI; its trees are the features instead. It is read once, when the new run begins.
     """
 
     rules: KeepawayOptions
     settings: SarsaSettings
-    shared: bool
-    seed: np.random.SeedSequence
+    shared: bool  # whether all agents learn from everyone's experience
+    seed: np.random.SeedSequence  # of the whole run
     episodes: int
     test_episodes: int
-    kind: TileKind = "tiles"
+    """Training and test episodes per iteration."""
+    kind: TileKind = "tiles"  # the features, see `relforest.experiments.keepaway_team.benchmark_team`
     source: Path | None = None
+    """A run of SMRF-RPI; its trees are the features instead. It is read once, when the new run begins."""
 
     files: ClassVar[re.Pattern[str]] = re.compile(
         rf"model-\d{{4}}/sarsa(-[0-9a-f]{{16}}\.npz|\.json)|{TREE_FILES}"

@@ -21,21 +21,13 @@ Format: TypeAlias = str | Callable[[float], str]
 @final
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number, and how far it may be off.
+    """A number, and how far it may be off."""
 
-    Parameters
-    ----------
-    value : float
-        NaN where it is unknown.
-    spread : float, optional
-        Half the width of its interval, or its standard deviation; None where it is unknown or there is none.
-    mark : str
-        The sign of a comparison with another one, written before it.
-    """
-
-    value: float
+    value: float  # NaN where it is unknown
     spread: float | None = None
-    mark: str = ""
+    """Half the width of its interval, or its standard deviation; None where it is unknown or there is
+    none."""
+    mark: str = ""  # the sign of a comparison with another one, written before it
 
     @classmethod
     def of(cls, values: NDArray[np.float64]) -> Estimate:
@@ -78,14 +70,6 @@ Entry: TypeAlias = str | bool | int | float | Estimate | Span | None
 class Sheet:
     """A table with a caption.
 
-    Parameters
-    ----------
-    caption : str
-    columns : mapping of str to format
-        The headings, and how floating-point numbers below them are written; integers are written in full.
-    rows : tuple of tuple
-        As many entries each as there are columns.
-
     Examples
     --------
     >>> sheet = Sheet("Scores", {"": "", "score": ".2f"}, (("ours", Estimate(0.5, 0.02)), ("theirs", None)))
@@ -98,7 +82,8 @@ class Sheet:
 
     caption: str
     columns: Mapping[str, Format]
-    rows: tuple[tuple[Entry, ...], ...]
+    """The headings, and how floating-point numbers below them are written; integers are written in full."""
+    rows: tuple[tuple[Entry, ...], ...]  # as many entries each as there are columns
 
     def to_text(self) -> str:
         """Return the caption and aligned columns, the first to the left, the others to the right."""

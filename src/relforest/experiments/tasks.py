@@ -39,19 +39,12 @@ MethodName: TypeAlias = Literal[
 @final
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture of what a run has learned.
+    """A picture of what a run has learned."""
 
-    Parameters
-    ----------
-    name : str
-        Name of its file.
-    source : str
-        The module and the function that turn the folder of a run and a new environment into the figure,
-        imported when it is drawn.
-    """
-
-    name: str
+    name: str  # name of its file
     source: str
+    """The module and the function that turn the folder of a run and a new environment into the figure,
+    imported when it is drawn."""
 
     def draw(self, folder: Path, env: gymnasium.Env[Any, Any]) -> Figure:
         """Draw what the run in a folder has learned."""

@@ -9,8 +9,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from relforest.explaining.moves import moved, region_of, single
-from relforest.explaining.picture import plane_of
+from relforest.explaining.moves import check_plane, moved, region_of, single
 from relforest.models import Model
 from relforest.scenes import Scenes
 from relforest.scenes.arrays import FloatArray
@@ -103,7 +102,7 @@ def decision_map(
         )
     between("cells", cells, 2, _MOST_CELLS)
     scene = single(scene)
-    plane_of(scene.schema)
+    check_plane(scene.schema)
     region = region_of(scene, within)
     x, y = np.linspace(region[0], region[1], cells).T
     values = np.empty((cells, cells))

@@ -84,6 +84,13 @@ def location_of(schema: Schema) -> Attribute:
     return found
 
 
+def check_plane(schema: Schema) -> None:
+    """Raise an `InputError` unless the location of objects is two-dimensional."""
+    found = location_of(schema)
+    if found.dim != 2:
+        raise InputError(f"{found.name} has {found.dim} dimensions: only scenes in the plane are drawn")
+
+
 def single(scene: Scenes) -> Scenes:
     """Return a single scene without unused rows.
 
@@ -102,14 +109,8 @@ def moved(scene: Scenes, rows: NDArray[np.int64], places: FloatArray) -> Scenes:
 
     Given relations stay as they are, since nothing tells how they depend on places.
 
-    Parameters
-    ----------
-    scene : Scenes
-        A single compact scene, see `single`.
-    rows : (n,) int64
-        Row of the object that each copy moves.
-    places : (n, d) float64
-        Where it is there.
+    The scene is compact, see `single`. Each copy moves the object of one of the rows (n,) to one of the
+    places (n, d).
     """
     n, m = len(rows), len(scene.matrix)
     parts, schema = scene.parts, scene.schema

@@ -12,12 +12,12 @@ from PIL import Image
 
 from relforest.explaining.decision_map import DecisionMap
 from relforest.explaining.explanation import PredictionExplanation
-from relforest.explaining.moves import region_of
-from relforest.explaining.picture import arrow, frame_of, stage_of
+from relforest.explaining.moves import check_plane, region_of
 from relforest.forests.explanations import Reason
 from relforest.playing.document import asset, colors, filled
 from relforest.playing.frames import Stage
 from relforest.playing.svg import svg
+from relforest.reports.scene_picture import arrow, frame_of, stage_of
 
 _FOR: Final = (0, 114, 178)
 _AGAINST: Final = (213, 94, 0)
@@ -42,6 +42,7 @@ def explanation_page(explanation: PredictionExplanation, *, title: str) -> str:
     InputError
         If the scene is not in the plane.
     """
+    check_plane(explanation.scene.schema)
     region = region_of(explanation.scene, explanation.region)
     stage, frame = stage_of(explanation.scene, region), frame_of(explanation.scene, region)
     if explanation.move is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
@@ -12,21 +12,17 @@ from sklearn.utils.validation import check_is_fitted
 
 from relforest.forests.descriptions import MOST_QUESTIONS, ensemble_in_words
 from relforest.forests.ensemble import Ensemble
-from relforest.forests.explanations import (
-    Importance,
-    ScoreExplanation,
-    explain_scores,
-    importances,
-)
+from relforest.forests.explanations import Importance, ScoreExplanation, explain_scores, importances
 from relforest.forests.settings import GrowthSettings
 from relforest.forests.shares import logistic_shares
 from relforest.forests.tables import ConditionTable, searched_tables
 from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
+from relforest.support.progress import printed_to_stderr
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from relforest.scenes import Scenes
     from relforest.trees.weights import ClassWeight
@@ -54,6 +50,31 @@ class SceneEstimator(BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn 
     """An estimator with a fitted `Ensemble`."""
 
     ensemble_: Ensemble
+
+    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn from scenes.
+
+        Parameters
+        ----------
+        scenes : Scenes
+        y : (n_scenes,) array-like
+            Labels of two or more classes, of two for rule sets and outcomes, which need ten scenes of each;
+            for a regressor, finite numbers that are not all equal.
+        sample_weight : (n_scenes,) array-like, optional
+            Not negative.
+
+        Raises
+        ------
+        InputError
+            If targets or weights do not match the scenes or the model, or a parameter is out of range.
+        """
+        with printed_to_stderr(self.verbose):
+            self._learn(checked_scenes(scenes), y, sample_weight)
+        return self
+
+    @abstractmethod
+    def _learn(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None) -> None:
+        """Learn, and keep what was learned."""
 
     def apply(self, scenes: Scenes) -> NDArray[np.int32]:
         """Return the number of the leaf that each scene reaches in every tree, (n_scenes, n_trees)."""

@@ -24,30 +24,18 @@ if TYPE_CHECKING:
 class BoostingSettings:
     """How many trees are added up, and how.
 
-    Parameters
-    ----------
-    n_trees : int
-        Most trees.
-    learning_rate : float
-        Factor on every tree.
-    max_scenes : int
-        Each tree is fitted to a random sample of so many scenes, without replacement.
-    validation : float
-        Share of the scenes held out to decide when to stop; 0 to use all scenes and all trees.
-    patience : int
-        Trees without an improvement on the held-out scenes, after which boosting stops.
-
     Raises
     ------
     InputError
         If a value is outside its range.
     """
 
-    n_trees: int = 100
-    learning_rate: float = 0.1
-    max_scenes: int = 256
+    n_trees: int = 100  # most trees
+    learning_rate: float = 0.1  # factor on every tree
+    max_scenes: int = 256  # each tree is fitted to a random sample of so many scenes, without replacement
     validation: float = 0.0
-    patience: int = 30
+    """Share of the scenes held out to decide when to stop; 0 to use all scenes and all trees."""
+    patience: int = 30  # trees without an improvement on the held-out scenes, after which boosting stops
 
     def __post_init__(self) -> None:
         at_least("n_trees", self.n_trees, 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, final
+from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
@@ -14,8 +14,6 @@ from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets, real_targets, weights_of
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.settings import GrowthSettings
-from relforest.scenes.batch import checked_scenes
-from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence
 
 if TYPE_CHECKING:
@@ -46,36 +44,19 @@ class _Boosting(SceneEstimator, ABC):
     n_jobs: int = 1
     verbose: bool = False
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn the trees.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : (n_scenes,) array-like
-            Labels of two or more classes; for a regressor, finite numbers that are not all equal.
-        sample_weight : (n_scenes,) array-like, optional
-            Not negative.
-
-        Raises
-        ------
-        InputError
-            If targets or weights do not match the scenes, or a parameter is out of range.
-        """
+    def _learn(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None) -> None:
         how = BoostingSettings(self.n_trees, self.learning_rate, self.max_scenes, self.validation)
         growth = settings_or("growth", self.growth, GrowthSettings())
-        goal = self._goal(y, len(checked_scenes(scenes)), sample_weight)
+        goal = self._goal(y, len(scenes), sample_weight)
         rng = generator(seed_sequence(self.random_state))
-        with printed_to_stderr(self.verbose):
-            tables = self._tables(scenes, growth, rng)
-            boosted = boost(tables, len(scenes), goal.loss, (how, growth), rng)
+        tables = self._tables(scenes, growth, rng)
+        boosted = boost(tables, len(scenes), goal.loss, (how, growth), rng)
         trees = tuple(grown.tree for grown in boosted.trees)
         weights = np.full(len(trees), self.learning_rate * goal.scale)
         self.ensemble_ = Ensemble(scenes.schema, boosted.start * goal.scale + goal.shift, trees, weights)
         self.losses_: NDArray[np.float64] = boosted.losses
         if goal.classes is not None:
             self.classes_: NDArray[Any] = goal.classes
-        return self
 
     @abstractmethod
     def _goal(self, y: ArrayLike, n: int, sample_weight: ArrayLike | None) -> _Goal:

@@ -35,17 +35,6 @@ _TABLES, _TREES = range(2)
 class ForestSettings:
     """How many trees a forest has, of which type, and what each of them sees.
 
-    Parameters
-    ----------
-    n_trees : int
-    max_samples : float or int
-        Share of the scenes that each tree sees; if it is an integer, their number.
-    growth : GrowthSettings or TreeSettings
-        Decides whether the trees are trees of conditions or SMRF trees.
-    negated : float or None
-        Share of the SMRF trees that are learned for the negated target. None is half of them, none where
-        there are more than two classes, and for real targets whatever each tree explains better.
-
     Raises
     ------
     InputError
@@ -53,9 +42,11 @@ class ForestSettings:
     """
 
     n_trees: int
-    max_samples: float
-    growth: GrowthSettings | TreeSettings
+    max_samples: float  # share of the scenes that each tree sees; if it is an integer, their number
+    growth: GrowthSettings | TreeSettings  # decides whether the trees are trees of conditions or SMRF trees
     negated: float | None = None
+    """Share of the SMRF trees that are learned for the negated target. None is half of them, none where there
+    are more than two classes, and for real targets whatever each tree explains better."""
 
     def __post_init__(self) -> None:
         at_least("n_trees", self.n_trees, 1)

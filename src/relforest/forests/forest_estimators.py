@@ -17,7 +17,6 @@ from relforest.forests.members import Wanted
 from relforest.forests.settings import GrowthSettings
 from relforest.forests.shares import mean_shares
 from relforest.scenes import sample_scenes
-from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, seed_sequence, stream
@@ -47,28 +46,11 @@ class _Forest(SceneEstimator, ABC):
     n_jobs: int = 1
     verbose: bool = False
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn the trees.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : (n_scenes,) array-like
-            Labels of two or more classes; for a regressor, finite numbers that are not all equal.
-        sample_weight : (n_scenes,) array-like, optional
-            Not negative.
-
-        Raises
-        ------
-        InputError
-            If targets or weights do not match the scenes, or a parameter is out of range.
-        """
+    def _learn(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None) -> None:
         settings = self._settings()
-        wanted = self._wanted(y, len(checked_scenes(scenes)), sample_weight)
+        wanted = self._wanted(y, len(scenes), sample_weight)
         seed = seed_sequence(self.random_state)
-        with printed_to_stderr(self.verbose):
-            forest = grow_forest(scenes, wanted, settings, seed, n_jobs=self.n_jobs)
-        return self._keep(forest, wanted)
+        self._keep(grow_forest(scenes, wanted, settings, seed, n_jobs=self.n_jobs), wanted)
 
     def fit_source(self, source: str | PathLike[str], label: str, **columns: Unpack[SceneColumns]) -> Self:
         """Learn from Parquet files that need not fit into memory, each tree from its own sample.
@@ -110,15 +92,15 @@ class _Forest(SceneEstimator, ABC):
             wanted = self._wanted(values, len(values), None)
             samples = [scenes for scenes, _ in drawn]
             forest = grow_forest_of_samples(samples, wanted, settings, seed, n_jobs=self.n_jobs)
-        return self._keep(forest, wanted.take(np.empty(0, dtype=np.int64)))
+        self._keep(forest, wanted.take(np.empty(0, dtype=np.int64)))
+        return self
 
-    def _keep(self, forest: Forest, wanted: Wanted) -> Self:
+    def _keep(self, forest: Forest, wanted: Wanted) -> None:
         """Keep what was learned, given what was wanted of the scenes in ``forest.unseen``."""
         self.ensemble_: Ensemble = forest.ensemble
         self.n_sampled_: int = forest.n_sampled
         self.n_left_out_: int = forest.n_left_out
         self._judge(forest.unseen, wanted)
-        return self
 
     def _settings(self) -> ForestSettings:
         growth = self.growth

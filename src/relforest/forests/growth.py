@@ -31,17 +31,10 @@ class _Open:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class GrownTree:
-    """A tree, and how its questions answer in the tables it was grown from.
-
-    Parameters
-    ----------
-    tree : SceneTree
-    questions : tuple of Found
-        One per split, in the order of the nodes.
-    """
+    """A tree, and how its questions answer in the tables it was grown from."""
 
     tree: SceneTree
-    questions: tuple[Found, ...]
+    questions: tuple[Found, ...]  # one per split, in the order of the nodes
 
     def leaves(self, scenes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the number of the leaf of each training scene (n,)."""
@@ -68,16 +61,7 @@ def grow_tree(
 ) -> GrownTree:
     """Grow a tree whose leaves say which Newton step lowers the loss most.
 
-    Parameters
-    ----------
-    tables : tuple of ConditionTable
-    scenes : (n,) int64
-        The scenes to learn from.
-    targets : Targets
-        First and second derivatives of the loss, for all scenes of the tables.
-    settings : GrowthSettings
-    rng : Generator
-        Decides what is tried.
+    It is learned from some scenes (n,); the targets are derivatives of the loss for all scenes of the tables.
 
     Notes
     -----

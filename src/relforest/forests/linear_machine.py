@@ -55,15 +55,7 @@ def weighed(
 ) -> Weighing:
     """Weigh columns (n, k) such that their sum tells positive scenes from others.
 
-    Parameters
-    ----------
-    columns : (n, k) float64
-    positive : (n,) bool
-        At least `FOLDS` of either kind.
-    weights : (n,) float64
-        Of scenes, positive.
-    rng : Generator
-        Divides the scenes.
+    At least `FOLDS` scenes are of either kind, and their weights (n,) are positive.
 
     Notes
     -----

@@ -26,18 +26,12 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Wanted:
-    """What a forest is to predict.
-
-    Parameters
-    ----------
-    numbers : (n_scenes, n_outputs) float64
-        Real targets (n, 1); whether a scene is of the second of two classes (n, 1); or of each class.
-    weights : (n_scenes,) float64
-    of_classes : bool
-    """
+    """What a forest is to predict."""
 
     numbers: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    """(n_scenes, n_outputs): real targets (n, 1); whether a scene is of the second of two classes (n, 1); or
+    of each class."""
+    weights: NDArray[np.float64]  # (n_scenes,)
     of_classes: bool
 
     @property

@@ -64,18 +64,8 @@ def opinions_of_conditions(
     scenes, and the mean probability of a forest. What they say about a scene is what those models and trees
     say that have not seen it, so that they can be weighed without new scenes.
 
-    Parameters
-    ----------
-    known : Labelled
-    n_trees : int
-        Of each boosted model, and of the forest.
-    max_samples : float or int
-        What each tree of the forest sees.
-    growth : GrowthSettings
-        For boosting. The forest takes over what a condition may be, and has trees of the size of its own.
-    seed : SeedSequence
-    n_jobs : int
-        Trees of the forest that grow at the same time.
+    Each boosted model and the forest have `n_trees`. The growth is that of boosting; the forest takes over
+    what a condition may be, and has trees of the size of its own, which see `max_samples`.
     """
     scenes, positive, weights = known
     boosted: list[SMRFBoostingClassifier] = []
@@ -117,11 +107,7 @@ def opinions_of_conditions(
 def opinions_of_smrf_trees(known: Labelled, forest: SMRFForestClassifier) -> Opinions:
     """Learn a forest of SMRF trees, half of them for negated labels; the probability of each is a column.
 
-    Parameters
-    ----------
-    known : Labelled
-    forest : SMRFForestClassifier
-        With SMRF trees; it is fitted.
+    The forest is fitted.
 
     Notes
     -----

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self, final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, final
 
 import numpy as np
 from sklearn.utils.validation import check_is_fitted
@@ -16,9 +16,7 @@ from relforest.forests.labels import class_targets
 from relforest.forests.linear_machine import FOLDS, Weighing, weighed
 from relforest.forests.opinions import Labelled, Opinions, opinions_of_conditions, opinions_of_smrf_trees
 from relforest.forests.settings import GrowthSettings
-from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
-from relforest.support.progress import printed_to_stderr
 from relforest.support.rng import RandomState, generator, seed_sequence, stream
 from relforest.trees import TreeSettings
 
@@ -117,26 +115,10 @@ class OutcomeForestClassifier(SceneClassifier):
     n_jobs: int = 1
     verbose: bool = False
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn trees and their weights.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : (n_scenes,) array-like
-            Labels of two classes, at least ten of each.
-        sample_weight : (n_scenes,) array-like, optional
-            Not negative.
-
-        Raises
-        ------
-        InputError
-            If labels or weights do not match the scenes, there are other than two classes or fewer than ten
-            scenes of one, or a parameter is out of range.
-        """
+    def _learn(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None) -> None:
         seed = seed_sequence(self.random_state)
         ForestSettings(self.n_trees, self.max_samples, self._growth)
-        targets = class_targets(y, len(checked_scenes(scenes)), sample_weight, self.class_weight)
+        targets = class_targets(y, len(scenes), sample_weight, self.class_weight)
         if len(targets.classes) != 2:
             raise InputError(
                 f"outcomes are two classes, got {len(targets.classes)}: use SMRFBoostingClassifier for more"
@@ -150,8 +132,7 @@ class OutcomeForestClassifier(SceneClassifier):
                     "each class are needed, to weigh trees by cross-validation"
                 )
         known = Labelled(scenes.take(counted), positive, targets.weights[counted])
-        with printed_to_stderr(self.verbose):
-            judged = self._judged(known, seed)
+        judged = self._judged(known, seed)
         found, machine = judged.opinions, judged.machine
         start = machine.start + float(found.starts @ machine.weights)
         self.ensemble_ = Ensemble(
@@ -161,7 +142,6 @@ class OutcomeForestClassifier(SceneClassifier):
         self.threshold_ = float(np.average(positive, weights=known.weights))
         self.cost_, self.skill_ = machine.cost, machine.skill
         self.n_sampled_, self.n_left_out_ = found.n_sampled, found.n_left_out
-        return self
 
     def predict(self, scenes: Scenes) -> NDArray[Any]:
         """Return the class of each scene, (n_scenes,): the second one from `threshold_` on."""

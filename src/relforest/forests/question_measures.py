@@ -62,21 +62,9 @@ def question_measures(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> tuple[F
     Time grows exponentially with the number of variables that later questions on a branch ask about again,
     memory does not. The call can be interrupted (Ctrl-C) at any time.
 
-    Parameters
-    ----------
-    tree : Tree
-    scenes : Scenes
-        n scenes of its schema.
-    n_jobs : int
-        Number of threads.
-
-    Returns
-    -------
-    margins : ndarray
-        The least distance from the volume's mean of any instantiation sequence that meets the question, less
-        the volume's radius: at most 0 if one is answered Yes; NaN if the point of none is defined.
-    counts : ndarray
-        How many sequences are answered Yes.
+    Margins are the least distance from the volume's mean of any instantiation sequence that meets the
+    question, less the volume's radius: at most 0 if one is answered Yes; NaN if the point of none is defined.
+    Counts are how many sequences are answered Yes.
     """
     routes = _routes(tree)
     out = np.empty((2, len(scenes), len(routes)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Self, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
 from scipy.special import logit, xlogy
@@ -15,19 +15,12 @@ from relforest.forests.descriptions import MOST_QUESTIONS, rule_set_in_words
 from relforest.forests.ensemble import Ensemble
 from relforest.forests.labels import class_targets
 from relforest.forests.losses import Logistic
-from relforest.forests.rule_sets import (
-    Pool,
-    RuleSet,
-    RuleSetSettings,
-    choose_rule_sets,
-    rule_pool,
-)
+from relforest.forests.rule_sets import Pool, RuleSet, RuleSetSettings, choose_rule_sets, rule_pool
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
-from relforest.scenes.batch import checked_scenes
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
-from relforest.support.progress import part, printed_to_stderr
+from relforest.support.progress import part
 from relforest.support.rng import RandomState, generator, seed_sequence
 
 if TYPE_CHECKING:
@@ -91,37 +84,20 @@ class SMRFRuleSetClassifier(SceneClassifier):
     n_jobs: int = 1
     verbose: bool = False
 
-    def fit(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn the rules.
-
-        Parameters
-        ----------
-        scenes : Scenes
-        y : (n_scenes,) array-like
-            Labels of two classes.
-        sample_weight : (n_scenes,) array-like, optional
-            Not negative.
-
-        Raises
-        ------
-        InputError
-            If labels or weights do not match the scenes, there are more than two classes, or a parameter is
-            out of range.
-        """
+    def _learn(self, scenes: Scenes, y: ArrayLike, sample_weight: ArrayLike | None) -> None:
         how, growth, chosen = self._settings()
-        targets = class_targets(y, len(checked_scenes(scenes)), sample_weight, self.class_weight)
+        targets = class_targets(y, len(scenes), sample_weight, self.class_weight)
         if len(targets.classes) != 2:
             raise InputError(
                 f"rule sets are for two classes, got {len(targets.classes)}: use SMRFBoostingClassifier"
             )
         positive = targets.numbers == 1
         rng = generator(seed_sequence(self.random_state))
-        with printed_to_stderr(self.verbose):
-            tables = self._tables(scenes, growth, rng)
-            boosted = boost(tables, len(scenes), Logistic(positive, targets.weights), (how, growth), rng)
-            rules, pool = rule_pool(boosted.trees, len(scenes), chosen)
-            with part("choosing rules"):
-                sets = choose_rule_sets(pool, positive, targets.weights, chosen, rng)
+        tables = self._tables(scenes, growth, rng)
+        boosted = boost(tables, len(scenes), Logistic(positive, targets.weights), (how, growth), rng)
+        rules, pool = rule_pool(boosted.trees, len(scenes), chosen)
+        with part("choosing rules"):
+            sets = choose_rule_sets(pool, positive, targets.weights, chosen, rng)
         self.classes_: NDArray[Any] = targets.classes
         kept = sets if self.averaged else sets[:1]
         chains = tuple(_chain(each, rules, pool, positive, targets.weights) for each in kept)
@@ -129,7 +105,6 @@ class SMRFRuleSetClassifier(SceneClassifier):
         self.ensemble_ = Ensemble(scenes.schema, np.zeros(1), chains, weights / weights.sum())
         if self.averaged:
             self.ensemble_ = _with_boosted(self.ensemble_, boosted, how.learning_rate)
-        return self
 
     def describe(self, *, most: int = MOST_QUESTIONS) -> str:
         """Return the best rule set in words; `most` bounds the rules that are listed."""

@@ -14,14 +14,8 @@ if TYPE_CHECKING:
 def mean_shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the probabilities of classes that the trees of a forest give on average.
 
-    Parameters
-    ----------
-    scores : (n_scenes, n_outputs) float64
-        Of all classes, or of the second of two only.
-
-    Returns
-    -------
-    (n_scenes, n_classes) float64
+    Scores (n_scenes, n_outputs) are those of all classes, or of the second of two only; probabilities are
+    (n_scenes, n_classes).
     """
     if scores.shape[1] == 1:
         positive = np.clip(scores[:, 0], 0.0, 1.0)
@@ -36,14 +30,8 @@ def mean_shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
 def logistic_shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the probabilities of classes by their log-odds, as boosting and rule sets learn them.
 
-    Parameters
-    ----------
-    scores : (n_scenes, n_outputs) float64
-        Unnormalised log probabilities of all classes, or the log-odds of the second of two.
-
-    Returns
-    -------
-    (n_scenes, n_classes) float64
+    Scores (n_scenes, n_outputs) are unnormalised log probabilities of all classes, or the log-odds of the
+    second of two; probabilities are (n_scenes, n_classes).
     """
     if scores.shape[1] == 1:
         return np.column_stack([expit(-scores[:, 0]), expit(scores[:, 0])])

@@ -22,39 +22,23 @@ _SMALLEST: Final = 1 / _LARGEST
 @final
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """One component of the point is at most, or at least, `limit`.
-
-    Parameters
-    ----------
-    component : int
-    side : {"at most", "at least"}
-    limit : float
-    absolute : bool
-        Whether the sign of the component is ignored.
-    """
+    """One component of the point is at most, or at least, `limit`."""
 
     component: int
     side: Side
     limit: float
-    absolute: bool = False
+    absolute: bool = False  # whether the sign of the component is ignored
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Near:
-    """The point is close to `centre`: ``sum(((x_i - centre_i) / radius_i) ** 2) <= 1``.
+    """The point is close to `centre`: ``sum(((x_i - centre_i) / radius_i) ** 2) <= 1``."""
 
-    Parameters
-    ----------
-    component : int
-        The first component that counts; as many as `centre` has.
-    centre, radii : tuple of float
-        One or two numbers each; for an angle, the difference is taken on the circle.
-    """
-
-    component: int
+    component: int  # the first component that counts; as many as `centre` has
     centre: tuple[float, ...]
     radii: tuple[float, ...]
+    """One or two numbers each; for an angle, the difference is taken on the circle."""
 
 
 @final
@@ -72,18 +56,11 @@ Test = Bound | Near | Is
 @final
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """A mapping of bound objects, and what its value must be; false where the mapping is undefined.
-
-    Parameters
-    ----------
-    mapping : Mapping or Related
-    variables : tuple of int
-        The bound objects that it takes: first the action's arguments, then the free variables.
-    test : Bound, Near or Is
-    """
+    """A mapping of bound objects, and what its value must be; false where the mapping is undefined."""
 
     mapping: Mapping | Related
     variables: tuple[int, ...]
+    """The bound objects that it takes: first the action's arguments, then the free variables."""
     test: Test
 
     @property
@@ -117,12 +94,7 @@ def statement_to_dict(statement: Statement) -> dict[str, Any]:
 def statement_from_dict(document: Any, schema: Schema, n_bound: int) -> Statement:  # noqa: ANN401
     """Read what `statement_to_dict` returned.
 
-    Parameters
-    ----------
-    document : object
-    schema : Schema
-    n_bound : int
-        Number of arguments and free variables.
+    There are `n_bound` arguments and free variables.
 
     Raises
     ------

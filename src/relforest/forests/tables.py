@@ -54,23 +54,12 @@ class ConditionTable(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """A condition that a search found in one of the tables.
-
-    Parameters
-    ----------
-    table : ConditionTable
-    numbers : (n_statements, N_NUMBERS) float64
-        Its statements, see `relforest.forests.forms`.
-    at_least : int
-        How many choices it asks for, or `EVERY`.
-    gain : float
-        Twice the decrease of the loss that was found with it.
-    """
+    """A condition that a search found in one of the tables."""
 
     table: ConditionTable
-    numbers: NDArray[np.float64]
-    at_least: int
-    gain: float
+    numbers: NDArray[np.float64]  # (n_statements, N_NUMBERS) its statements, see `relforest.forests.forms`
+    at_least: int  # how many choices it asks for, or `EVERY`
+    gain: float  # twice the decrease of the loss that was found with it
 
     @property
     def condition(self) -> Condition:

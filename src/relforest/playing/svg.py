@@ -14,7 +14,7 @@ _BARB: Final = 2.6
 _HALO: Final = 0.28
 
 
-def svg(stage: Stage, frame: Frame, *, label: str, underlay: str = "") -> str:
+def svg(stage: Stage, frame: Frame, *, label: str, underlay: str = "", on_paper: bool = False) -> str:
     """Return a frame as an ``svg`` element, as wide as its place in the page allows.
 
     Colors of roles are variables of the page's style (``--ink``), so that it decides about light and dark.
@@ -28,6 +28,8 @@ def svg(stage: Stage, frame: Frame, *, label: str, underlay: str = "") -> str:
         What is seen, for those who cannot see it.
     underlay : str
         SVG elements between backdrop and things.
+    on_paper : bool
+        Whether colors are those on light paper, for places without such a style.
 
     Raises
     ------
@@ -35,7 +37,7 @@ def svg(stage: Stage, frame: Frame, *, label: str, underlay: str = "") -> str:
         If a color is unknown.
     """
     left, right, low, high = stage.framed(frame.things)
-    pen = _Pen(stage, stage.pixels / max(right - left, high - low), left, high)
+    pen = _Pen(stage, stage.pixels / max(right - left, high - low), (left, high), on_paper=on_paper)
     width, height = pen.scale * (right - left), pen.scale * (high - low)
     nowhere = Thing("", (), 0.0, 0.0)
     parts = [
@@ -55,9 +57,9 @@ def svg(stage: Stage, frame: Frame, *, label: str, underlay: str = "") -> str:
 class _Pen:
     """Writes shapes as elements, in pixels."""
 
-    def __init__(self, stage: Stage, scale: float, left: float, high: float) -> None:
-        self.scale = scale
-        self._stage, self._left, self._high = stage, left, high
+    def __init__(self, stage: Stage, scale: float, corner: Point, *, on_paper: bool) -> None:
+        self.scale, self._stage, self._on_paper = scale, stage, on_paper
+        self._left, self._high = corner
 
     def drawn(self, shapes: Sequence[Shape], thing: Thing) -> Iterator[str]:
         """Yield elements for shapes in the coordinates of a thing."""
@@ -104,7 +106,8 @@ class _Pen:
 
     def _color(self, color: str) -> str:
         shade = self._stage.shade(color)
-        return f"var(--{color})" if color in ROLES or color in self._stage.colors else shade
+        is_role = color in ROLES or color in self._stage.colors
+        return f"var(--{color})" if is_role and not self._on_paper else shade
 
     def _head(self, shape: Line, thing: Thing) -> str:
         (x, y), (tip_x, tip_y) = (self._pixel(point, thing) for point in shape.points[-2:])

@@ -45,13 +45,8 @@ class NodeText:
 def node_texts(tree: Tree, names: dict[int, str], path: TreePath | None = None) -> tuple[NodeText, ...]:
     """Return the text of every node.
 
-    Parameters
-    ----------
-    tree : Tree
-    names : dict of int to str
-        Short name of each question, such as ``"Q1"``, by node index.
-    path : TreePath, optional
-        If given, its instantiations show the bound objects.
+    Questions have short names, such as ``"Q1"``, by node index; on a path, instantiations show the bound
+    objects.
     """
     new = introduced(tree.schema, tree.nodes)
     texts = []

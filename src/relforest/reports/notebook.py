@@ -16,12 +16,15 @@ from matplotlib.figure import Figure
 from relforest.forests import Ensemble
 from relforest.forests.descriptions import strongest_questions
 from relforest.mappings import Mapping
+from relforest.playing.svg import svg
 from relforest.reports.figure_files import svg_text
 from relforest.reports.question_panel import volume_table
-from relforest.reports.style import BLUE, GREY, INK, PALE, PAPER, SERIES, styled
+from relforest.reports.scene_picture import frame_of, stage_of, window_of
+from relforest.reports.style import BLUE, GREY, PALE, PAPER, styled
 from relforest.reports.tree_figure import tree_figure
 from relforest.reports.volume_panel import draw_volume
-from relforest.scenes import Attribute, Scenes, Schema
+from relforest.scenes import Attribute, Scenes
+from relforest.scenes.arrays import FloatArray
 from relforest.scenes.ids import plain
 from relforest.support.numerals import number
 from relforest.trees import Tree
@@ -34,7 +37,7 @@ if TYPE_CHECKING:
 MOST_NODES: Final = 60
 """Trees with more nodes are told in words, and not drawn."""
 _MOST_SCENES: Final = 6
-_SIDE: Final = 150.0
+_SIDE: Final = 320
 
 
 def as_html(value: object) -> str:
@@ -44,7 +47,8 @@ def as_html(value: object) -> str:
 
 
 def _scenes(scenes: Scenes) -> str:
-    shown = "".join(_scene(each, _window(scenes)) for each in scenes[:_MOST_SCENES])
+    window = window_of(scenes)
+    shown = "".join(_scene(each, window) for each in scenes[:_MOST_SCENES])
     more = len(scenes) - _MOST_SCENES
     rest = f"<p>and {counted(more, 'more scene')}</p>" if more > 0 else ""
     kinds = _table(
@@ -71,55 +75,14 @@ def _defined(scenes: Scenes, attribute: Attribute) -> float:
     return float((~np.isnan(values).any(axis=1)).mean()) if len(values) else 0.0
 
 
-def _plane(schema: Schema) -> list[int]:
-    """Return up to two columns to be drawn: those of a location, or else the first numbers."""
-    numbers = [each for each in schema.attributes if each.kind == "euclidean"]
-    chosen = sorted(numbers, key=lambda each: each.role != "location")
-    return [at for each in chosen for at in range(schema.offset(each.name), schema.columns(each.name).stop)][
-        :2
-    ]
-
-
-def _window(scenes: Scenes) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return the low and high ends (2, n) of the columns that are drawn, with equal scales."""
-    values = scenes.matrix[:, _plane(scenes.schema)]
-    known = values[~np.isnan(values).any(axis=1)] if values.size else np.zeros((1, values.shape[1]))
-    known = known if len(known) else np.zeros((1, values.shape[1]))
-    low, high = known.min(axis=0), known.max(axis=0)
-    half = 0.55 * max(float((high - low).max(initial=0.0)), 1e-9)
-    return np.stack([(low + high) / 2 - half, (low + high) / 2 + half])
-
-
-def _scene(scene: Scenes, window: np.ndarray[Any, np.dtype[np.float64]]) -> str:
-    """Return a small picture of a scene: objects by place, colored by category, and arguments by name."""
-    schema, marks = scene.schema, []
-    teams = [schema.offset(each.name) for each in schema.attributes if each.kind == "category"]
-    bound = dict(zip(scene.arguments[0].tolist(), schema.parameters, strict=True))
-    for row in scene.objects(0).tolist():
-        places = (scene.matrix[row, _plane(schema)] - window[0]) / (window[1] - window[0]) * _SIDE
-        if np.isnan(places).any():
-            continue
-        x, y = [*places.tolist(), _SIDE / 2, _SIDE / 2][:2]
-        team = scene.matrix[row, teams[0]] if teams else np.nan
-        fill = GREY if np.isnan(team) else SERIES[int(team) % len(SERIES)]
-        name = escape(str(plain(scene.object_ids[row])))
-        marks.append(
-            f'<circle cx="{x:.1f}" cy="{_SIDE - y:.1f}" r="{6 if row in bound else 4}" fill="{fill}" '
-            f'stroke="{INK}"><title>{name}</title></circle>'
-        )
-        if row in bound:
-            end = "start" if x < _SIDE / 2 else "end"
-            marks.append(
-                f'<text x="{x:.1f}" y="{_SIDE - y - 8:.1f}" text-anchor="{end}">{escape(bound[row])}</text>'
-            )
+def _scene(scene: Scenes, window: FloatArray) -> str:
+    """Return a small picture of a scene below its name."""
     title = escape(f"scene {plain(scene.scene_ids[0])}: {counted(int(scene.counts[0]), 'object')}")
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_SIDE:.0f}" height="{_SIDE + 16:.0f}" '
-        f'viewBox="0 -16 {_SIDE:.0f} {_SIDE + 16:.0f}" font-family="sans-serif" font-size="10" role="img" '
-        f'aria-label="{title}" style="margin: 2px; border: 1px solid {PALE}">'
-        f'<rect y="-16" width="100%" height="100%" fill="{PAPER}"/>'
-        f'<text x="2" y="-5" fill="{GREY}">{title}</text>{"".join(marks)}</svg>'
-    )
+    stage = stage_of(scene, window, pixels=_SIDE)
+    style = f"display: inline-block; width: {_SIDE}px; margin: 2px; border: 1px solid {PALE}"
+    paper = f"background: {PAPER}; color: {GREY}; font-family: sans-serif"
+    drawn = svg(stage, frame_of(scene, window), label=title, on_paper=True)
+    return f'<figure style="{style}; {paper}"><figcaption>{title}</figcaption>{drawn}</figure>'
 
 
 def _tree(tree: Tree) -> str:

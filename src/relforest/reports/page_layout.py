@@ -38,11 +38,7 @@ class Page:
 def arrange(tree: Place, panel: Place, n_panels: int, *, head: Place) -> Page:
     """Place panels beside or below a tree, whichever comes closest to a landscape page.
 
-    Parameters
-    ----------
-    tree, panel, head : (width, height)
-        Sizes of the tree, of each panel and of the lines above them.
-    n_panels : int
+    Sizes are (width, height): of the tree, of each panel, and of the lines above them (`head`).
     """
     pages = [
         _page(tree, panel, (n_panels, columns), head=head, beside=beside)

@@ -39,41 +39,25 @@ class Formation:
     """The players of a map: keepers stay in place, takers move together.
 
     Letters: n players.
-
-    Parameters
-    ----------
-    players : (n, c) float64, c >= 2
-        x and y in metres, keepers first; further columns, such as velocities, are passed on unchanged.
-    actor : int
-        The keeper with the ball.
-    title : str
-        Title of the panel.
     """
 
     players: NDArray[np.float64]
-    actor: int = 0
-    title: str = ""
+    """(n, c): x and y in metres, keepers first; further columns, such as velocities, are passed on
+    unchanged."""
+    actor: int = 0  # the keeper with the ball
+    title: str = ""  # title of the panel
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Preferences:
-    """The actions that a policy prefers, by position of the takers' centre.
-
-    Parameters
-    ----------
-    x, y : (columns,) and (rows,) float64
-        Positions of the takers' centre, in metres, ascending.
-    actions : (rows, columns) int64
-        The preferred action.
-    margins : (rows, columns) float64
-        Its lead over the next best action.
-    """
+    """The actions that a policy prefers, by position of the takers' centre."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
-    actions: NDArray[np.int64]
-    margins: NDArray[np.float64]
+    """(columns,) and (rows,): positions of the takers' centre, in metres, ascending."""
+    actions: NDArray[np.int64]  # (rows, columns) the preferred action
+    margins: NDArray[np.float64]  # (rows, columns) its lead over the next best action
 
 
 def policy_map_figure(
@@ -191,15 +175,8 @@ def on_variables(
 ) -> Evaluate:
     """Turn a policy on the state variables of the benchmark into one for `policy_map_figure`.
 
-    Parameters
-    ----------
-    function : callable
-        Maps the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
-        (keepers,).
-    keepers : int
-        Number of keepers.
-    actor : int
-        The keeper with the ball; the ball is assumed to be at its position.
+    It maps the variables of one state, (13,) for 3 keepers and 2 takers, to the values of the actions,
+    (keepers,). The ball is assumed to be at the actor, the keeper that has it.
     """
 
     def evaluate(states: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -68,10 +68,10 @@ def styled() -> AbstractContextManager[None]:
     return mpl.rc_context(dict(STYLE))
 
 
-def mixed(color: str, share: float, ground: str = PAPER) -> Color:
-    """Mix ``share`` parts of a color with ``1 - share`` parts of another; returns red, green and blue."""
+def mixed(color: str, share: float) -> Color:
+    """Mix ``share`` parts of a color with paper; returns red, green and blue."""
     red, green, blue = (
-        share * own + (1.0 - share) * other for own, other in zip(to_rgb(color), to_rgb(ground), strict=True)
+        share * own + (1.0 - share) * ground for own, ground in zip(to_rgb(color), to_rgb(PAPER), strict=True)
     )
     return red, green, blue
 

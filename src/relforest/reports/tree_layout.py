@@ -56,12 +56,7 @@ class Layout:
 def lay_out(nodes: Sequence[Node], sizes: Sequence[Size]) -> Layout:
     """Lay out a tree from top to bottom, with children as close together as their subtrees allow.
 
-    Parameters
-    ----------
-    nodes : sequence of Node
-        Depth first, as in `Tree.nodes`.
-    sizes : sequence of (width, height)
-        The size of each node.
+    Nodes are depth first, as in `Tree.nodes`, and each has a size (width, height).
     """
     subtrees: list[dict[int, Box]] = [{} for _ in nodes]
     # Children come after their parents, so in reverse order every subtree is complete when needed.

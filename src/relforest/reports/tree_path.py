@@ -19,39 +19,19 @@ from relforest.trees.text import introduced, sentence
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class TreePath:
-    """How a tree decided about one scene.
-
-    Parameters
-    ----------
-    scene_id : int or str
-    leaf : int
-        Ordinal of the deciding leaf.
-    nodes : tuple of int
-        Node indices from the root to the leaf.
-    witnesses : tuple of (int, str or None)
-        Identifier of the object bound to each variable on the path, None = no object.
-    points : dict of int to (d,) float64
-        The point seen by each question on the path; NaN if undefined.
-    says : str
-        What the leaf predicts.
-    """
+    """How a tree decided about one scene."""
 
     scene_id: Any
-    leaf: int
-    nodes: tuple[int, ...]
+    leaf: int  # ordinal of the deciding leaf
+    nodes: tuple[int, ...]  # node indices from the root to the leaf
     witnesses: tuple[Any, ...]
-    points: dict[int, NDArray[np.float64]]
-    says: str
+    """Identifier of the object bound to each variable on the path, None = no object."""
+    points: dict[int, NDArray[np.float64]]  # the point seen by each question on the path; NaN if undefined
+    says: str  # what the leaf predicts
 
 
 def tree_path(tree: Tree, scene: Scenes) -> TreePath:
-    """Follow one scene through a tree.
-
-    Parameters
-    ----------
-    tree : Tree
-    scene : Scenes
-        A single scene with the schema of the tree.
+    """Follow a single scene with the schema of the tree through it.
 
     Raises
     ------

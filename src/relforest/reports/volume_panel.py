@@ -43,16 +43,8 @@ def draw_volume(
 
     Beyond two dimensions, draw the interval of Mahalanobis distances within the radius.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    mapping : Mapping
-        Used to label the axes.
-    volume : Volume
-    points : QuestionPoints, optional
-        The points that the question sees; positive and negative scenes differ in color.
-    witness : (d,) float64, optional
-        A point to mark; ignored if it is undefined or too large to learn from.
+    The mapping labels the axes. Points are those that the question sees; positive and negative scenes differ
+    in color. The witness (d,) is marked, unless it is undefined or too large to learn from.
     """
     # The negated test also catches NaN.
     if witness is not None and not (np.abs(witness) <= LARGEST_VALUE).all():

@@ -15,18 +15,9 @@ def action_scenes(experience: Experience | Decisions, candidates: IntArray, sche
 
     An action sees the shared objects of its state, followed by the private objects that it binds.
 
-    Parameters
-    ----------
-    experience : Experience or Decisions
-    candidates : (m,) int64
-        Candidate numbers, all of one action type.
-    schema : Schema
-        The world's attributes with the parameters of that action type.
+    The candidates (m,) are all of one action type, whose parameters the schema has.
 
-    Returns
-    -------
-    Scenes
-        m scenes that share the rows of the experience's matrix; no object is copied.
+    The m scenes share the rows of the experience's matrix; no object is copied.
 
     References
     ----------

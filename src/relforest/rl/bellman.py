@@ -20,22 +20,13 @@ from relforest.scenes.arrays import FloatArray, IntArray
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Lookahead:
-    """The predictions of an action-value function for a set of transitions.
+    """The predictions of an action-value function for a set of transitions."""
 
-    Parameters
-    ----------
-    values : (n,) float64
-        Q(s, a) of the observed pairs.
-    chosen : (n,) int64
-        The greedy action in s': its position among all candidates of the transitions, -1 where nothing
-        follows. Of equal values, the first wins.
-    errors : (n,) float64
-        The Bellman errors ``r + discount * max Q(s', a') - Q(s, a)``.
-    """
-
-    values: FloatArray
+    values: FloatArray  # (n,) Q(s, a) of the observed pairs
     chosen: IntArray
-    errors: FloatArray
+    """(n,): the greedy action in s': its position among all candidates of the transitions, -1 where nothing
+    follows. Of equal values, the first wins."""
+    errors: FloatArray  # (n,) the Bellman errors ``r + discount * max Q(s', a') - Q(s, a)``
 
     @property
     def squared_error(self) -> float:
@@ -48,13 +39,7 @@ def look_ahead(
 ) -> Lookahead:
     """Evaluate a linear action-value function and its greedy policy on transitions.
 
-    Parameters
-    ----------
-    features : sequence of (m_a, k_a) float64
-        For each action type the features of its state-action pairs.
-    weights : sequence of (k_a,) float64
-        For each action type the weights.
-    transitions : Transitions
+    For each action type there are the features of its state-action pairs, (m_a, k_a), and weights, (k_a,).
 
     References
     ----------
@@ -78,17 +63,9 @@ def look_ahead_at(table: Sequence[FloatArray], transitions: Transitions) -> Look
 def error_labels(errors: FloatArray, types: IntArray) -> BoolArray:
     """Label each transition True if its error exceeds the mean error of its action type.
 
-    Parameters
-    ----------
-    errors : (n,) float64
-        Bellman errors.
-    types : (n,) int64
-        Action types of the transitions.
+    Errors and action types are (n,).
 
-    Returns
-    -------
-    (n,) bool
-        All False for a type whose errors are equal.
+    For a type whose errors are equal, all are False.
 
     References
     ----------

@@ -30,36 +30,6 @@ class Experience:
     Letters: s states, r object rows, c candidate actions, n transitions, e episodes, w columns of the world's
     schema, k the largest arity among its action types.
 
-    Parameters
-    ----------
-    matrix : (r, w) float64
-        The objects of all states, one row each, NaN = undefined.
-    objects : (s + 1,) int64
-        State ``i`` has the rows ``objects[i]`` to ``objects[i + 1]`` (exclusive).
-    private : (s,) int64
-        Number of private objects in each state, which are its last ones: they belong only to the scenes of
-        the candidates that bind them.
-    remaining : (s,) int64
-        How many actions the episode can still take in each state, `NO_LIMIT` where their number is unlimited.
-    candidates : (s + 1,) int64
-        State ``i`` offers the candidates ``candidates[i]`` to ``candidates[i + 1]`` (exclusive).
-    types : (c,) int64
-        Action type of each candidate.
-    arguments : (c, k) int64
-        Positions of the bound objects within their state, -1 = none.
-    states, next_states : (n,) int64
-        State numbers at both ends of each transition.
-    actions : (n,) int64
-        The candidate taken; it belongs to the state of the transition.
-    rewards : (n,) float64
-        Reward inside the action, discounted to its beginning.
-    durations : (n,) float64
-        Duration of the action, in the world's unit of time.
-    terminal, truncated : (n,) bool
-        Whether the transition ended its episode in a terminal state, or by a time limit.
-    episode_rewards, episode_durations : (e,) float64
-        Undiscounted total reward and duration of each episode, with what passed before its first decision.
-
     Raises
     ------
     InputError
@@ -71,22 +41,31 @@ class Experience:
     Palmer (2015), section 2.1 (options) and section 6.3 (the examples that SMRF-RPI learns from).
     """
 
-    matrix: FloatArray
-    objects: IntArray
+    matrix: FloatArray  # (r, w) the objects of all states, one row each, NaN = undefined
+    objects: IntArray  # (s + 1,) state ``i`` has the rows ``objects[i]`` to ``objects[i + 1]`` (exclusive)
     private: IntArray
+    """(s,): number of private objects in each state, which are its last ones: they belong only to the scenes
+    of the candidates that bind them."""
     remaining: IntArray
+    """(s,): how many actions the episode can still take in each state, `NO_LIMIT` where their number is
+    unlimited."""
     candidates: IntArray
-    types: IntArray
-    arguments: IntArray
+    """(s + 1,): state ``i`` offers the candidates ``candidates[i]`` to ``candidates[i + 1]`` (exclusive)."""
+    types: IntArray  # (c,) action type of each candidate
+    arguments: IntArray  # (c, k) positions of the bound objects within their state, -1 = none
     states: IntArray
     next_states: IntArray
-    actions: IntArray
-    rewards: FloatArray
-    durations: FloatArray
+    """(n,) each: state numbers at both ends of each transition."""
+    actions: IntArray  # (n,) the candidate taken; it belongs to the state of the transition
+    rewards: FloatArray  # (n,) reward inside the action, discounted to its beginning
+    durations: FloatArray  # (n,) duration of the action, in the world's unit of time
     terminal: BoolArray
     truncated: BoolArray
+    """(n,) each: whether the transition ended its episode in a terminal state, or by a time limit."""
     episode_rewards: FloatArray
     episode_durations: FloatArray
+    """(e,) each: undiscounted total reward and duration of each episode, with what passed before its first
+    decision."""
 
     def __post_init__(self) -> None:
         for name, (dtype, ndim) in _LAYOUT.items():
@@ -125,8 +104,7 @@ class Experience:
         Parameters
         ----------
         arrays : mapping
-            The `COLUMNS` by name. `OPTIONAL_COLUMNS` may be missing: without `private` no object is private,
-            as in batches written before there were such objects; without `remaining` no state has a limit.
+            The `COLUMNS` by name; without those of `OPTIONAL_COLUMNS`, `remaining`, no state has a limit.
         origin : str
             Where the arrays come from, for error messages.
 
@@ -138,9 +116,7 @@ class Experience:
         missing = [name for name in COLUMNS if name not in arrays and name not in OPTIONAL_COLUMNS]
         if missing:
             raise ModelFormatError(f"{origin} is not a batch of experience: {', '.join(missing)} missing")
-        n_states = max(arrays["objects"].size - 1, 0)
-        private, remaining = np.zeros(n_states, np.int64), np.full(n_states, NO_LIMIT)
-        columns = {"private": private, "remaining": remaining} | dict(arrays)
+        columns = {"remaining": np.full(max(arrays["objects"].size - 1, 0), NO_LIMIT)} | dict(arrays)
         try:
             return cls(**{name: columns[name] for name in COLUMNS})
         except InputError as error:
@@ -197,7 +173,7 @@ def latest(batches: Sequence[Experience], most: int) -> Sequence[Experience]:
 COLUMNS = tuple(field.name for field in fields(Experience))
 """Names of the columns of `Experience`, in order."""
 
-OPTIONAL_COLUMNS = ("private", "remaining")
+OPTIONAL_COLUMNS = ("remaining",)
 """Columns that may be missing from a file, see `Experience.from_arrays`."""
 
 _LAYOUT: dict[str, tuple[type[Any], int]] = {

@@ -28,20 +28,13 @@ class ForestFeatures:
 
     They are those of `relforest.rl.value.forest_features`, and 0 in the blocks of other types.
 
-    Parameters
-    ----------
-    value : ValueFunction
-        The trees; its weights do not matter.
-    tree_names : tuple of tuple of str
-        The file names of the trees.
-
     References
     ----------
     Palmer (2015), sections 6.4 and 7.5.2.
     """
 
-    value: ValueFunction
-    tree_names: TreeNames
+    value: ValueFunction  # the trees; its weights do not matter
+    tree_names: TreeNames  # the file names of the trees
     _forests: tuple[tuple[ForestArrays, IntArray], ...] = field(init=False, repr=False)
     """For each action type its trees, and the column of each of their leaves."""
     _starts: IntArray = field(init=False, repr=False)

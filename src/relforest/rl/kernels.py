@@ -9,15 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from relforest.support.jit import kernel
-from relforest.trees.kernels import (
-    BEST_PATH,
-    MOST_STEPS,
-    PAUSE,
-    STEPS,
-    UNFINISHED,
-    QueryWork,
-    query_scene,
-)
+from relforest.trees.kernels import BEST_PATH, MOST_STEPS, PAUSE, STEPS, UNFINISHED, QueryWork, query_scene
 
 
 @kernel

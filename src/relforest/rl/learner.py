@@ -41,20 +41,11 @@ _TRAINING, _TESTING, _SAMPLING, _LEARNING = 0, 1, 2, 3
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Knowledge:
-    """What SMRF-RPI knows after an iteration.
-
-    Parameters
-    ----------
-    value : ValueFunction
-    tree_names : tuple of tuple of str
-        The file names of the trees of `value`.
-    batches : tuple of Experience
-        Training experience, one batch per iteration.
-    """
+    """What SMRF-RPI knows after an iteration."""
 
     value: ValueFunction
-    tree_names: TreeNames
-    batches: tuple[Experience, ...]
+    tree_names: TreeNames  # the file names of the trees of `value`
+    batches: tuple[Experience, ...]  # training experience, one batch per iteration
 
 
 @final
@@ -64,29 +55,17 @@ class RPILearner:
 
     Its files are ``experience/iteration-0001.npz`` and so on, and ``trees/0001-left-1.json`` and so on, the
     accepted trees.
-
-    Parameters
-    ----------
-    env : gymnasium.Env
-        Its ``unwrapped`` implements `relforest.smdp.World`.
-    settings : RPISettings
-    seed : SeedSequence
-        Of the whole run.
-    episodes, test_episodes : int
-        Per iteration, see `relforest.rl.rpi.SMRFRPI.learn`.
-    n_jobs : int
-        Candidate trees learned at the same time, in threads. The result does not depend on it.
-    practice : Practice
-        How the world is practised and tested.
     """
 
-    env: Environment
+    env: Environment  # its ``unwrapped`` implements `relforest.smdp.World`
     settings: RPISettings
-    seed: np.random.SeedSequence
+    seed: np.random.SeedSequence  # of the whole run
     episodes: int
     test_episodes: int
+    """Per iteration, see `relforest.rl.rpi.SMRFRPI.learn`."""
     n_jobs: int = 1
-    practice: Practice = ANYHOW
+    """Candidate trees learned at the same time, in threads. The result does not depend on it."""
+    practice: Practice = ANYHOW  # how the world is practised and tested
 
     files: ClassVar[re.Pattern[str]] = re.compile(rf"{TREE_FILES}|{EXPERIENCE_FILES}")
 

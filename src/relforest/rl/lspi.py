@@ -21,43 +21,23 @@ Reason = Literal["converged", "cycle", "limit"]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class LSPIResult:
-    """A policy learned by LSPI.
+    """A policy learned by LSPI."""
 
-    Parameters
-    ----------
-    weights : tuple of (k_a,) float64
-        For each action type the weights of its features.
-    lookahead : Lookahead
-        Values, greedy actions and Bellman errors of these weights on the samples.
-    n_features : int
-        Number of features in use (with data), over all action types.
-    iterations : int
-        Number of policies evaluated.
-    reason : {"converged", "cycle", "limit"}
-        Why it stopped: the weights converged, a policy recurred, or the limit was reached. In the last two
-        cases the result is the policy with the smallest sum of squared Bellman errors.
-    problem : LSTDQ
-        That of the policy evaluated last.
-    """
-
-    weights: tuple[FloatArray, ...]
-    lookahead: Lookahead
-    n_features: int
-    iterations: int
+    weights: tuple[FloatArray, ...]  # for each action type the weights of its features
+    lookahead: Lookahead  # values, greedy actions and Bellman errors of these weights on the samples
+    n_features: int  # number of features in use (with data), over all action types
+    iterations: int  # number of policies evaluated
     reason: Reason
-    problem: LSTDQ
+    """Why it stopped: the weights converged, a policy recurred, or the limit was reached. In the last two
+    cases the result is the policy with the smallest sum of squared Bellman errors."""
+    problem: LSTDQ  # that of the policy evaluated last
 
 
 def lspi(problem: LSTDQ, weights: Sequence[FloatArray], settings: LSPISettings | None = None) -> LSPIResult:
     """Learn the weights of a greedy policy.
 
-    Parameters
-    ----------
-    problem : LSTDQ
-        That of any policy.
-    weights : sequence of (k_a,) float64
-        Initial weights: their greedy policy is evaluated first.
-    settings : LSPISettings, optional
+    The problem may be that of any policy. The policy that is evaluated first is greedy for the initial
+    weights, (k_a,) for each action type.
 
     References
     ----------

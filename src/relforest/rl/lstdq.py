@@ -37,35 +37,22 @@ class LSTDQ:
 
     Use `of`.
 
-    Parameters
-    ----------
-    transitions : Transitions
-    owners : tuple of (n_a,) int64
-        The transitions of each action type.
-    max_condition : float
-        Largest condition number (from singular values) that A may have, above 1.
-    chosen : (n,) int64
-        For each transition the policy's action in s' as a position among all candidates, -1 where nothing
-        follows.
-    blocks : tuple of Block
-        The features. Those that are 0 in every observed pair are cut out and get the weight 0 (section 7.2).
-    matrix : (k, k) float64
-        A.
-    rewards : (k,) float64
-        b.
-
     References
     ----------
     Palmer (2015), Algorithm 2.1, section 6.4 and section 7.2; Lagoudakis and Parr (2003).
     """
 
     transitions: Transitions
-    owners: tuple[IntArray, ...]
-    max_condition: float
+    owners: tuple[IntArray, ...]  # the transitions of each action type
+    max_condition: float  # largest condition number (from singular values) that A may have, above 1
     chosen: IntArray
+    """(n,): for each transition the policy's action in s' as a position among all candidates, -1 where
+    nothing follows."""
     blocks: tuple[Block, ...]
-    matrix: FloatArray
-    rewards: FloatArray
+    """The features. Those that are 0 in every observed pair are cut out and get the weight 0 (section
+    7.2)."""
+    matrix: FloatArray  # (k, k) A
+    rewards: FloatArray  # (k,) b
 
     @classmethod
     def of(cls, features: Sequence[FloatArray], transitions: Transitions, max_condition: float) -> LSTDQ:

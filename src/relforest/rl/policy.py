@@ -88,11 +88,6 @@ _RANDOM = RandomPolicy()
 class GreedyPolicy:
     """Choose an action of the highest value.
 
-    Parameters
-    ----------
-    value : ActionValues
-        The action values Q(s, a).
-
     Notes
     -----
     Equal values are broken at random, so that an agent that has not learned anything (Q = 0
@@ -103,7 +98,11 @@ class GreedyPolicy:
     Palmer (2015), eq. 2.2.
     """
 
-    value: ActionValues
+    value: ActionValues  # the action values Q(s, a)
+
+    def values(self, decision: Decision) -> FloatArray:
+        """Return the values of all actions, (n_actions,)."""
+        return self.value.values(decision)
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:
         """Return a position of the highest value; consumes one integer from `rng` only to break a tie."""
@@ -127,15 +126,6 @@ class GreedyPolicy:
 class EpsilonGreedyPolicy:
     """Follow a policy, but explore with a small probability.
 
-    Parameters
-    ----------
-    policy : Policy
-        What to do otherwise.
-    epsilon : float
-        Probability of exploring, 0 to 1.
-    explorer : Policy
-        How to explore. Default: uniformly.
-
     Raises
     ------
     InputError
@@ -146,9 +136,10 @@ class EpsilonGreedyPolicy:
     Palmer (2015), section 6.3, after Sutton and Barto (1998).
     """
 
-    policy: Policy
-    epsilon: float
+    policy: Policy  # what to do otherwise
+    epsilon: float  # probability of exploring, 0 to 1
     explorer: Policy = _RANDOM
+    """How to explore. Default: uniformly."""
 
     def __post_init__(self) -> None:
         in_range("epsilon", self.epsilon, 0.0, 1.0)

@@ -92,22 +92,11 @@ class BeamSearch:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchingPolicy:
-    """Search in a world before every choice.
+    """Search in a world before every choice."""
 
-    Parameters
-    ----------
-    policy : Policy
-        Chooses among everything that was found.
-    value : ActionValues
-        What actions are worth.
-    world : RefiningWorld
-        Where the policy acts.
-    search : Search
-    """
-
-    policy: Policy
-    value: ActionValues
-    world: RefiningWorld
+    policy: Policy  # chooses among everything that was found
+    value: ActionValues  # what actions are worth
+    world: RefiningWorld  # where the policy acts
     search: Search
 
     def choose(self, decision: Decision, rng: np.random.Generator) -> int:

@@ -35,21 +35,11 @@ _SCENES, _GROWTH = 0, 1
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """A tree that may join the forest of an action type.
+    """A tree that may join the forest of an action type."""
 
-    Parameters
-    ----------
-    growth : Growth
-        The tree, not a stub, and how it came about.
-    columns : (m, k) float64
-        Its features of all state-action pairs of the type.
-    fit : Fit, optional
-        How well LSPI fits with the tree; None if candidates are not tested.
-    """
-
-    growth: Growth
-    columns: FloatArray
-    fit: Fit | None
+    growth: Growth  # the tree, not a stub, and how it came about
+    columns: FloatArray  # (m, k) its features of all state-action pairs of the type
+    fit: Fit | None  # how well LSPI fits with the tree; None if candidates are not tested
 
     @property
     def tree(self) -> Tree:
@@ -88,21 +78,10 @@ def improve(
 ) -> ValueFunction:
     """Run rounds until no tree is added.
 
-    Parameters
-    ----------
-    value : ValueFunction
-        The representation and the policy so far.
-    samples : Samples
-    settings : RPISettings
-    seed : numpy.random.SeedSequence
-        Every candidate has its own stream, named by round, action type and attempt.
-    n_jobs : int
-        Candidates learned at the same time, in threads; the result does not depend on it.
+    Every candidate has its own random stream, named by round, action type and attempt, so that the result
+    does not depend on how many are learned at the same time.
 
-    Returns
-    -------
-    ValueFunction
-        At most one tree more per action type and round, with the weights of the last policy.
+    There is at most one tree more per action type and round, with the weights of the last policy.
 
     References
     ----------

@@ -26,30 +26,19 @@ from relforest.support.rng import generator
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Transitions:
-    """Transitions with state-action pairs identified by action type and row in the table of that type.
-
-    Parameters
-    ----------
-    types, rows : (n,) int64
-        The observed pair (s, a).
-    rewards : (n,) float64
-        Discounted reward inside the action.
-    discounts : (n,) float64
-        ``discount ** duration``, and 0 where nothing follows.
-    next_starts : (n + 1,) int64
-        The candidates of transition i are ``next_starts[i]`` to ``next_starts[i + 1]`` (exclusive); there are
-        none where the discount is 0.
-    next_types, next_rows : (c,) int64
-        The pairs (s', a') of those candidates.
-    """
+    """Transitions with state-action pairs identified by action type and row in the table of that type."""
 
     types: IntArray
     rows: IntArray
-    rewards: FloatArray
-    discounts: FloatArray
+    """(n,) each: the observed pair (s, a)."""
+    rewards: FloatArray  # (n,) discounted reward inside the action
+    discounts: FloatArray  # (n,) ``discount ** duration``, and 0 where nothing follows
     next_starts: IntArray
+    """(n + 1,): the candidates of transition i are ``next_starts[i]`` to ``next_starts[i + 1]`` (exclusive);
+    there are none where the discount is 0."""
     next_types: IntArray
     next_rows: IntArray
+    """(c,) each: the pairs (s', a') of those candidates."""
 
     def __len__(self) -> int:
         """Return the number of transitions."""
@@ -59,21 +48,12 @@ class Transitions:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """The data that one iteration of SMRF-RPI learns from.
-
-    Parameters
-    ----------
-    scenes : tuple of Scenes
-        For each action type its distinct state-action pairs (m_a scenes, arguments bound).
-    lspi : Transitions
-        Transitions used to learn policies.
-    latest : Transitions
-        All transitions of the latest batch, used for labels and trees.
-    """
+    """The data that one iteration of SMRF-RPI learns from."""
 
     scenes: tuple[Scenes, ...]
-    lspi: Transitions
-    latest: Transitions
+    """For each action type its distinct state-action pairs (m_a scenes, arguments bound)."""
+    lspi: Transitions  # transitions used to learn policies
+    latest: Transitions  # all transitions of the latest batch, used for labels and trees
 
 
 def draw_samples(
@@ -87,18 +67,9 @@ def draw_samples(
 ) -> Samples:
     """Choose the transitions of one iteration.
 
-    Parameters
-    ----------
-    batches : sequence of Experience
-        All experience so far, the latest batch last.
-    schemas : sequence of Schema
-        For each action type the world's attributes with the parameters of that type.
-    discount : float
-        Discount factor per unit of duration.
-    max_samples, bootstrap_on_truncation
-        As in `relforest.rl.settings.RPISettings`; transitions are drawn without replacement from all batches.
-    seed : numpy.random.SeedSequence
-        The random stream for this draw.
+    The latest batch is the last one. For each action type, the schema has the attributes of the world and the
+    parameters of the type. Transitions are drawn without replacement from all batches; see
+    `relforest.rl.settings.RPISettings` for `max_samples` and `bootstrap_on_truncation`.
 
     References
     ----------

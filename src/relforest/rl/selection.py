@@ -20,22 +20,13 @@ from relforest.rl.bellman import Lookahead
 @final
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """How well a representation lets LSPI fit the samples.
-
-    Parameters
-    ----------
-    squared_error : float
-        Sum of squared Bellman errors in units of the variance of the values; infinite where the values are
-        constant.
-    n_features : int
-        Features in use.
-    n_samples : int
-        Transitions.
-    """
+    """How well a representation lets LSPI fit the samples."""
 
     squared_error: float
-    n_features: int
-    n_samples: int
+    """Sum of squared Bellman errors in units of the variance of the values; infinite where the values are
+    constant."""
+    n_features: int  # features in use
+    n_samples: int  # transitions
 
 
 def fit_of(lookahead: Lookahead, n_features: int) -> Fit:

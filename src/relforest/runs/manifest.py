@@ -52,15 +52,8 @@ class Manifest:
 def held(folder: Path, manifest: Manifest, *, is_finished: Callable[[], bool]) -> Iterator[None]:
     """Lock a folder for one piece of work; its manifest is on disk when the ``with`` block begins.
 
-    Parameters
-    ----------
-    folder : path
-        Made if it does not exist.
-    manifest : Manifest
-        The work.
-    is_finished : callable
-        Returns whether everything has been computed. Only then may the folder come from other versions of the
-        software, which could compute the rest differently.
+    The folder is made if it does not exist. Only if everything has been computed may it come from other
+    versions of the software, which could compute the rest differently.
 
     Raises
     ------

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from relforest.scenes.angles import wrap
 from relforest.scenes.ids import IdArray, as_ids, plain
-from relforest.scenes.kernels import first_misfit
 from relforest.scenes.pairs import NO_PAIRS
 from relforest.scenes.schema import Schema, misfit
 from relforest.support.errors import InputError
+from relforest.support.jit import kernel
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -69,7 +69,7 @@ def check_arrays(parts: SceneArrays) -> SceneArrays:
         raise InputError(
             f"arguments must be row numbers of the matrix, 0 to {len(matrix) - 1}, or -1 for none"
         )
-    scene, row = first_misfit(rows, starts, counts, arguments, np.full(len(matrix), -1))
+    scene, row = _first_misfit(rows, starts, counts, arguments, np.full(len(matrix), -1))
     if scene >= 0:
         raise InputError(
             f"scene {scene} contains object row {row} twice, or binds it to an argument without containing "
@@ -229,3 +229,26 @@ def _integers(name: str, values: ArrayLike, ndim: int) -> IntArray:
     view = np.ascontiguousarray(array, dtype=np.int64).view()
     view.flags.writeable = False
     return view
+
+
+@kernel
+def _first_misfit(
+    rows: NDArray[np.int64],
+    starts: NDArray[np.int64],
+    counts: NDArray[np.int64],
+    arguments: NDArray[np.int64],
+    last_scene: NDArray[np.int64],
+) -> tuple[int, int]:
+    """Find the first scene that contains an object row twice or binds an argument to a row it lacks.
+
+    Returns the scene and the row, or (-1, -1). `last_scene` (n_rows,) is work space, all -1.
+    """
+    for scene in range(len(starts)):
+        for row in rows[starts[scene] : starts[scene] + counts[scene]]:
+            if last_scene[row] == scene:
+                return scene, row
+            last_scene[row] = scene
+        for row in arguments[scene]:
+            if row >= 0 and last_scene[row] != scene:
+                return scene, row
+    return -1, -1

@@ -9,14 +9,7 @@ from typing import Any, Final, Literal, final
 import numpy as np
 
 from relforest.scenes.arrays import FloatArray, IntArray
-from relforest.scenes.bag_values import (
-    Values,
-    are_names,
-    as_values,
-    dimensions,
-    in_order_of,
-    is_sparse,
-)
+from relforest.scenes.bag_values import Values, are_names, as_values, dimensions, in_order_of, is_sparse
 from relforest.scenes.ids import IdArray, as_ids, codes_by_appearance, plain
 from relforest.support.errors import InputError
 from relforest.support.masks import refuse_masked

@@ -21,15 +21,6 @@ _SAMPLE_LENGTH: Final = 2**16
 class Dialect:
     r"""How a CSV file is written; options that are None are detected.
 
-    Parameters
-    ----------
-    separator : str, optional
-        One character, or ``\\t`` or ``tab``. Default: comma, semicolon, tab or bar, from the first line.
-    decimal : {".", ","}, optional
-        Decimal mark. Default: a point, or a comma where values allow no other reading.
-    encoding : str, optional
-        Name of the encoding. Default: UTF-8, or UTF-16 if the first bytes show it.
-
     Raises
     ------
     InputError
@@ -37,8 +28,11 @@ class Dialect:
     """
 
     separator: str | None = None
+    """One character, or ``\\t`` or ``tab``. Default: comma, semicolon, tab or bar, from the first line."""
     decimal: str | None = None
+    """{".", ","}: Decimal mark. Default: a point, or a comma where values allow no other reading."""
     encoding: str | None = None
+    """Name of the encoding. Default: UTF-8, or UTF-16 if the first bytes show it."""
 
     def __post_init__(self) -> None:
         """Check the options."""

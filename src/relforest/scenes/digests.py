@@ -53,9 +53,6 @@ def is_unchanged(column: ArrowArray, digests: object, block: int | None = None) 
 
     An empty column at the number of blocks there should be shows that none is missing.
     """
-    if isinstance(digests, str):
-        # Earlier versions wrote one for the whole column, which says nothing about a block.
-        return block is not None or digests == column_digest(column)
     if block is not None and isinstance(digests, list):
         digests = digests[block : block + 1]
     return digests == block_digests(column)

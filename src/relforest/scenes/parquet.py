@@ -199,7 +199,7 @@ def check_unchanged(file: TableFile, table: ArrowTable, block: int | None = None
     document = _parsed(file)
     digests = document.pop(_DIGESTS, None) if isinstance(document, dict) else None
     if digests is None:
-        # Earlier versions wrote none.
+        # Until it is sealed, a table has none.
         return
     known = digests if isinstance(digests, dict) else {}
     checked = [name for name in table.column_names if name in known]

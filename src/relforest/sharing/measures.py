@@ -23,32 +23,18 @@ from relforest.volumes import Arc
 @final
 @dataclass(frozen=True, slots=True)
 class Notation:
-    """How a language writes what all of them compute.
-
-    Parameters
-    ----------
-    column : callable
-        Writes a value of an object from the name of its variable and the number of the column.
-    sqrt, absolute, atan2 : str
-        Functions, to be filled with their arguments.
-    where : str
-        The second argument where the first is positive, else undefined.
-    undefined : str
-        Whether the argument is undefined.
-    number : str
-        A number from its shortest digits.
-    keeps_names : bool
-        Whether parts of an expression can have names, so that they are written once.
-    """
+    """How a language writes what all of them compute."""
 
     column: Callable[[str, int], str]
+    """Writes a value of an object from the name of its variable and the number of the column."""
     sqrt: str
     absolute: str
     atan2: str
-    where: str
-    undefined: str
-    number: str = "{}"
-    keeps_names: bool = True
+    """These three are functions, to be filled with their arguments."""
+    where: str  # the second argument where the first is positive, else undefined
+    undefined: str  # whether the argument is undefined
+    number: str = "{}"  # a number from its shortest digits
+    keeps_names: bool = True  # whether parts of an expression can have names, so that they are written once
 
 
 class Written(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 
 from relforest.forests.statements import Bound, Is, Near
 from relforest.playing.document import asset, embedded, filled
+from relforest.reports.scene_picture import plane_of
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.ids import plain
 from relforest.sharing.measures import Notation, Written, letter
@@ -59,7 +60,7 @@ def play_page(program: Program, scene: Scenes, *, title: str = "") -> str:
         )
     scene = scene.recoded(program.schema)
     title = title or f"Scene {plain(scene.scene_ids[0])}"
-    x, y = _axes(program.schema)
+    x, y = [*plane_of(program.schema), -1, -1][:2]
     heading = [each.name for each in program.schema.attributes if each.kind == "angle"]
     team = [each.name for each in program.schema.attributes if each.kind == "category"]
     data = scene_document(scene) | {
@@ -190,17 +191,6 @@ def _rule_document(schema: Schema, rule: Rule) -> dict[str, Any]:
         "names": [*schema.parameters, *("CD"[: rule.n_free])],
         "asked": [{"measure": asked.measure} for asked in rule.asked],
     }
-
-
-def _axes(schema: Schema) -> tuple[int, int]:
-    """Return the columns that are drawn as x and y, -1 = none."""
-    numbers = [each for each in schema.attributes if each.kind == "euclidean"]
-    located = [each for each in numbers if each.role == "location"]
-    chosen = (located or numbers)[: 1 if located else None]
-    columns = [
-        at for each in chosen for at in range(schema.offset(each.name), schema.columns(each.name).stop)
-    ]
-    return tuple([*columns, -1, -1][:2])  # type: ignore[return-value]
 
 
 def _view(scene: Scenes, x: int, y: int) -> list[float]:

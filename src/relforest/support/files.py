@@ -24,13 +24,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from relforest.support.archives import MAX_BYTES, pack_arrays, unpack_arrays
-from relforest.support.documents import (
-    MAX_DEPTH,
-    check_extent,
-    check_values,
-    is_clean,
-    without_duplicates,
-)
+from relforest.support.documents import MAX_DEPTH, check_extent, check_values, is_clean, without_duplicates
 from relforest.support.errors import InputError, ModelFormatError
 
 MAX_DOCUMENT_BYTES: Final = 64 * 2**20

@@ -44,21 +44,9 @@ class LimitedProcess:
     def call(self, name: str, function: Callable[..., Any], *arguments: object) -> tuple[Any, int]:
         """Call a function, which sets its own limits by `cpu_limit`.
 
-        Parameters
-        ----------
-        name : str
-            What the call belongs to. The process is kept for later calls with the same name.
-        function : callable
-            A function of a module.
-        *arguments
-            Its arguments, which must be picklable, as must be its result.
-
-        Returns
-        -------
-        value : object
-            What was returned; None if a limit ended the process.
-        peak_bytes : int
-            The largest memory that the process has had so far; 0 if unknown.
+        The function is one of a module; its arguments and its result must be picklable. The process is kept
+        for later calls with the same name. Return what was returned, None if a limit ended the process; and
+        the largest memory that the process has had so far, 0 if unknown.
 
         Raises
         ------
@@ -137,10 +125,7 @@ def cpu_seconds() -> float:
 def peak_memory(process: str | int = "self") -> int:
     """Return the largest memory that a process has had so far, in bytes; 0 if unknown.
 
-    Parameters
-    ----------
-    process : str or int
-        Its number; by default this process.
+    It is given by its number; by default, it is this process.
 
     Notes
     -----

@@ -55,14 +55,8 @@ def start(
 ) -> subprocess.Popen[bytes]:
     """Start Python in a child process that ends with this one.
 
-    Parameters
-    ----------
-    code : str
-        Python code; the modules ``os`` and ``sys`` are imported already.
-    arguments : sequence of str
-        Passed as ``sys.argv[1:]``.
-    **options
-        Passed to `subprocess.Popen`.
+    The modules ``os`` and ``sys`` are imported already; the arguments are ``sys.argv[1:]``, and the options
+    those of `subprocess.Popen`.
     """
     words = [sys.executable, "-c", _FOLLOW + code, str(os.getpid()), *arguments]
     return subprocess.Popen(words, **options)  # noqa: S603 - our own interpreter
@@ -239,12 +233,7 @@ def _pool(count: int) -> Iterator[list[Worker]]:
 def new_worker(number: int = 1, environment: Mapping[str, str] | None = None) -> Iterator[Worker]:
     """Start a process that runs tasks until the ``with`` block ends.
 
-    Parameters
-    ----------
-    number : int
-        Its number in a pool.
-    environment : mapping, optional
-        Its environment variables; by default those of this process.
+    By default it has the environment variables of this process; in a pool, it has a number.
     """
     ours, theirs = Pipe()
     with ours, theirs:

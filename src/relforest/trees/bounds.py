@@ -21,35 +21,21 @@ _MOST: Final = 3
 @final
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """An interval of one coordinate; an end that is infinite says nothing.
+    """An interval of one coordinate; an end that is infinite says nothing."""
 
-    Parameters
-    ----------
-    axis : int
-        The coordinate, from 0.
-    low, high : float
-        In the units of the mapping, rounded as they should be said.
-    """
-
-    axis: int
+    axis: int  # the coordinate, from 0
     low: float
     high: float
+    """In the units of the mapping, rounded as they should be said."""
 
 
 def needed_bounds(volume: Volume, points: NDArray[np.float64]) -> tuple[Bounds, ...]:
     """Return bounds of coordinates that divide the points like the volume, if a part of it divides none.
 
-    Parameters
-    ----------
-    volume : Volume
-    points : (n, d) float64
-        Those that a question was asked about when it was learned.
+    The points (n, d) are those that a question was asked about when it was learned.
 
-    Returns
-    -------
-    tuple of Bounds
-        At most three ends in all and fewer than the volume has, by coordinate. Empty if there are no such
-        bounds: then the whole volume counts. So it does on the circle, where both ends bound the same gap.
+    There are at most three ends in all and fewer than the volume has, by coordinate; none if there are no
+    such bounds: then the whole volume counts. So it does on the circle, where both ends bound the same gap.
     """
     if isinstance(volume, Arc):
         return ()

@@ -34,21 +34,11 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Arrivals:
-    """The instantiation sequences that arrive at a leaf, and those of its expansions.
-
-    Parameters
-    ----------
-    scenes : Scenes
-    places : (n_scenes, k) int64
-        Positions of the action arguments, see `argument_places`.
-    mappings : tuple of Mapping
-        The mapping functions that may be asked.
-    sequences : Sequences
-    """
+    """The instantiation sequences that arrive at a leaf, and those of its expansions."""
 
     scenes: Scenes
-    places: NDArray[np.int64]
-    mappings: tuple[Mapping, ...]
+    places: NDArray[np.int64]  # (n_scenes, k) positions of the action arguments, see `argument_places`
+    mappings: tuple[Mapping, ...]  # the mapping functions that may be asked
     sequences: Sequences
 
     def expansions(self) -> Iterator[Expansion]:
@@ -90,19 +80,11 @@ class Arrivals:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedQuestion:
-    """An expansion, with everything about it that is independent of labels.
-
-    Parameters
-    ----------
-    scenes : Scenes
-    expansion : Expansion
-    sequences : Sequences
-        The instantiation sequences at the question, all or a sample of them.
-    """
+    """An expansion, with everything about it that is independent of labels."""
 
     scenes: Scenes
     expansion: Expansion
-    sequences: Sequences
+    sequences: Sequences  # the instantiation sequences at the question, all or a sample of them
     asked: Sequences = field(init=False)
     """The distinct tuples of objects that it asks about, scene by scene."""
     bags: Bags = field(init=False)
@@ -139,28 +121,14 @@ class PreparedQuestion:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """The best volume found at a leaf.
-
-    Parameters
-    ----------
-    question : PreparedQuestion
-    volume : Volume
-    presence : (3, n_scenes) bool
-        Scenes at the Yes, No and Error leaf.
-    gain : float
-        Increase of the tree's log likelihood.
-    p_value : float
-        Of the uncorrected likelihood ratio test.
-    n_tried : int
-        Volumes that competed, for the correction for multiple comparisons.
-    """
+    """The best volume found at a leaf."""
 
     question: PreparedQuestion
     volume: Volume
-    presence: NDArray[np.bool_]
-    gain: float
-    p_value: float
-    n_tried: int
+    presence: NDArray[np.bool_]  # (3, n_scenes) scenes at the Yes, No and Error leaf
+    gain: float  # increase of the tree's log likelihood
+    p_value: float  # of the uncorrected likelihood ratio test
+    n_tried: int  # volumes that competed, for the correction for multiple comparisons
 
     def beats(self, other: Candidate) -> bool:
         """Whether this one is at least as significant; the larger gain decides where p-values vanish."""
@@ -174,23 +142,12 @@ class Candidate:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenLeaf:
-    """A leaf to be expanded, and how the present tree explains the scenes.
-
-    Parameters
-    ----------
-    tree : Tree
-    leaf : int
-        Ordinal of the leaf.
-    presence : (n_leaves, n_scenes) bool
-        Scenes that arrive at each leaf.
-    assignment : Assignment
-        Which leaf decides each scene, and the probabilities.
-    """
+    """A leaf to be expanded, and how the present tree explains the scenes."""
 
     tree: Tree
-    leaf: int
-    presence: NDArray[np.bool_]
-    assignment: Assignment
+    leaf: int  # ordinal of the leaf
+    presence: NDArray[np.bool_]  # (n_leaves, n_scenes) scenes that arrive at each leaf
+    assignment: Assignment  # which leaf decides each scene, and the probabilities
 
     def retargeted(self, target: Target) -> OpenLeaf:
         """The same leaf of the same tree, with values for another target."""

@@ -33,14 +33,7 @@ def expansions(mappings: tuple[Mapping, ...], n_bound: int, n_parameters: int) -
     arguments are exempt, since their objects are already identified (section 6.2). No variable is
     bound beyond the last one asked about: that would only duplicate an expansion with fewer.
 
-    Parameters
-    ----------
-    mappings : tuple of Mapping
-        The catalogue of legal mapping functions.
-    n_bound : int
-        Variables already bound at the leaf.
-    n_parameters : int
-        Number of variables, from the first, that stand for action arguments.
+    At the leaf, `n_bound` variables are bound, of which the first `n_parameters` stand for action arguments.
     """
     largest_arity = max((mapping.arity for mapping in mappings), default=0)
     beyond_arguments = max(n_bound, n_parameters)

@@ -36,27 +36,13 @@ _DEFAULT: Final = TreeSettings()
 @final
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One accepted expansion.
+    """One accepted expansion."""
 
-    Parameters
-    ----------
-    leaf : int
-        Ordinal of the leaf that was expanded.
-    question : str
-        Mapping function asked.
-    p_value : float
-        Of the test in use.
-    gain : float
-        Increase of the log likelihood.
-    n_tried : int
-        Volumes that competed.
-    """
-
-    leaf: int
-    question: str
-    p_value: float
-    gain: float
-    n_tried: int
+    leaf: int  # ordinal of the leaf that was expanded
+    question: str  # mapping function asked
+    p_value: float  # of the test in use
+    gain: float  # increase of the log likelihood
+    n_tried: int  # volumes that competed
 
 
 @final
@@ -87,15 +73,8 @@ def grow_best(
 ) -> Growth:
     """Learn a tree for each of several targets that state the same facts; return the one that explains most.
 
-    Parameters
-    ----------
-    scenes : Scenes
-    targets : sequence of Target
-        Such as a number of which the highest leaf decides, and the same number with the lowest one.
-    rng : Generator
-        Source of all sampling.
-    settings : TreeSettings
-        Each tree has its share of the level `alpha`.
+    Targets are, for example, a number of which the highest leaf decides, and the same number with the lowest
+    one. Each tree has its share of the level `alpha`.
 
     Raises
     ------

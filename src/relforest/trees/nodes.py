@@ -16,19 +16,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class AnyLeaf(ABC):
-    """The end of a branch.
+    """The end of a branch."""
 
-    Parameters
-    ----------
-    probability : float
-        Of all leaves that a scene reaches, the one where this is highest decides.
-    negatives, positives : int
-        Training scenes decided by this leaf, by label.
-    """
-
-    probability: float
+    probability: float  # of all leaves that a scene reaches, the one where this is highest decides
     negatives: int
     positives: int
+    """Training scenes decided by this leaf, by label."""
 
     @property
     def n_scenes(self) -> int:

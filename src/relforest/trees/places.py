@@ -57,19 +57,11 @@ def place(mapping: Mapping, volume: Volume, names: list[str], bounds: tuple[Boun
 
     Left and right are meant as on a map: the first coordinate grows to the right, the second upwards.
 
-    Parameters
-    ----------
-    mapping : Mapping
-    volume : Volume
-    names : list of str
-        Names of the variables that the mapping takes.
-    bounds : tuple of Bounds
-        The bounds that matter, if not all of them do; of a slab, always.
+    The mapping takes the variables with these names. Bounds are those that matter, if not all of them do; of
+    a slab, always.
 
-    Returns
-    -------
-    str
-        Such as ``"around the middle of the way from A to B"``; empty if there is nothing true to say.
+    The text is such as ``"around the middle of the way from A to B"``; it is empty if there is nothing true
+    to say.
     """
     if mapping.attribute.role != "location" or isinstance(volume, Arc) or volume.dim not in {2, 3}:
         return ""

@@ -25,18 +25,6 @@ _BELOW_PREVIOUS: Final = 1.0 - _STEP
 class Assignment:
     """The values of a tree's leaves.
 
-    Parameters
-    ----------
-    value : (n_leaves,) float64
-        The probability of the positive class; for several classes the largest share of any but the common
-        one; or the mean of the standardised target.
-    sums : (n_leaves, k) float64
-        What the scenes that each leaf won add up to, see `Target.sums`.
-    winner : (n_scenes,) int64
-        The leaf that decides each scene.
-    log_likelihood : float
-        Logarithm of eq. 4.1 over all scenes, or of its counterpart for other targets.
-
     Notes
     -----
     Two points are left open by the source. A leaf assigned later is kept strictly below those assigned
@@ -50,9 +38,11 @@ class Assignment:
     """
 
     value: NDArray[np.float64]
-    sums: NDArray[np.float64]
-    winner: NDArray[np.int64]
-    log_likelihood: float
+    """(n_leaves,): the probability of the positive class; for several classes the largest share of any but
+    the common one; or the mean of the standardised target."""
+    sums: NDArray[np.float64]  # (n_leaves, k) what the scenes that each leaf won add up to, see `Target.sums`
+    winner: NDArray[np.int64]  # (n_scenes,) the leaf that decides each scene
+    log_likelihood: float  # logarithm of eq. 4.1 over all scenes, or of its counterpart for other targets
 
 
 @kernel

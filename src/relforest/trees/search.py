@@ -40,15 +40,6 @@ _HOPELESS: Final = 100
 class Exhaustive:
     """Aggregates every question at a leaf on all scenes, several times.
 
-    Parameters
-    ----------
-    questions : list of PreparedQuestion
-    settings : TreeSettings
-    n_left_out : int
-        Expansions that are not tried, having too many instantiation sequences.
-    n_sampled : int
-        Expansions of which only a sample of the sequences is searched: none.
-
     References
     ----------
     Palmer (2015), Algorithm 4.1.
@@ -56,8 +47,8 @@ class Exhaustive:
 
     questions: list[PreparedQuestion]
     settings: TreeSettings
-    n_left_out: int
-    n_sampled: int = 0
+    n_left_out: int  # expansions that are not tried, having too many instantiation sequences
+    n_sampled: int = 0  # expansions of which only a sample of the sequences is searched: none
 
     @classmethod
     def at(cls, arrivals: Arrivals, settings: TreeSettings, rng: np.random.Generator) -> Exhaustive:  # noqa: ARG003
@@ -116,29 +107,19 @@ class Screened:
     the level, `attempts` times each, and the best of them `attempts` - 1 times more; those with very many
     points just once. The correction for multiple comparisons counts every question `attempts` times as in the
     exhaustive search.
-
-    Parameters
-    ----------
-    arrivals : Arrivals
-    expansions : list of Expansion
-    full : list of Sequences
-        The sequences on which the best questions are tried, by number of new variables.
-    settings : TreeSettings
-    n_left_out, n_sampled : int
-        See `Exhaustive`.
-    rounds : tuple of Round
-        The first ones are left out where there are no more questions than they would keep. The last should
-        see all pairs of objects of ordinary scenes: a sample of them misses what few pairs show, such as
-        that two objects are far apart.
     """
 
     arrivals: Arrivals
     expansions: list[Expansion]
-    full: list[Sequences]
+    full: list[Sequences]  # the sequences on which the best questions are tried, by number of new variables
     settings: TreeSettings
     n_left_out: int
     n_sampled: int
+    """Both as of `Exhaustive`."""
     rounds: tuple[Round, ...] = ROUNDS
+    """The first ones are left out where there are no more questions than they would keep. The last should see
+    all pairs of objects of ordinary scenes: a sample of them misses what few pairs show, such as that two
+    objects are far apart."""
 
     @classmethod
     def at(cls, arrivals: Arrivals, settings: TreeSettings, rng: np.random.Generator) -> Screened:

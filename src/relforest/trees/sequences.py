@@ -21,21 +21,12 @@ _TABLE: Final = 64
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Sequences:
-    """Instantiation sequences of one leaf.
+    """Instantiation sequences of one leaf."""
 
-    Parameters
-    ----------
-    scene : (n,) int64
-        The scene of each sequence, ascending.
-    objects : (n, depth) int64
-        The bound objects, by position in the scene; -1 = no object.
-    ratio : float
-        How many sequences each of them stands for on average: above 1, they are a sample of the leaf's.
-    """
-
-    scene: NDArray[np.int64]
-    objects: NDArray[np.int64]
+    scene: NDArray[np.int64]  # (n,) the scene of each sequence, ascending
+    objects: NDArray[np.int64]  # (n, depth) the bound objects, by position in the scene; -1 = no object
     ratio: float = 1.0
+    """How many sequences each of them stands for on average: above 1, they are a sample of the leaf's."""
 
     @classmethod
     def empty(cls, n_scenes: int) -> Sequences:

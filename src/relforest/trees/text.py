@@ -81,12 +81,7 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, other: str | None = "LA
 
     Error leaves that decided no training scene are left out.
 
-    Parameters
-    ----------
-    schema : Schema
-    nodes : tuple of Node
-    other : str or None
-        Label of the negative class for `one_sided_hint`, which is added unless this is None.
+    The label of the negative class is `other`, for `one_sided_hint`, which is added unless it is None.
     """
     questions = [node for node in nodes if isinstance(node, Question)]
     n_leaves = sum(isinstance(node, AnyLeaf) for node in nodes)
@@ -104,11 +99,7 @@ def describe(schema: Schema, nodes: tuple[Node, ...], *, other: str | None = "LA
 def one_sided_hint(nodes: tuple[Node, ...], other: str = "LABEL") -> str:
     """Return what to do about a tree that predicts one class only; empty for any other tree.
 
-    Parameters
-    ----------
-    nodes : tuple of Node
-    other : str
-        The label of the other class.
+    The label of the other class is `other`.
     """
     prediction = _sole_prediction(nodes)
     if prediction is None:

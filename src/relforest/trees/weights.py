@@ -71,14 +71,7 @@ def class_weights(
 ) -> NDArray[np.float64] | None:
     """Return the weight of each class, None if all weigh the same.
 
-    Parameters
-    ----------
-    class_weight : {"balanced"}, mapping or None
-        "balanced" counts the scenes with their `weights`.
-    classes : (n_classes,) array
-    codes : (n_scenes,) int64
-        The class of each scene.
-    weights : (n_scenes,) float64, optional
+    With "balanced", scenes count with their weights (n_scenes,); `codes` (n_scenes,) are their classes.
 
     Raises
     ------

@@ -90,12 +90,8 @@ def log_diverse_density(squared: NDArray[np.float64], sides: NDArray[np.float64]
 
     The probability of a point is its Gaussian density relative to the peak.
 
-    Parameters
-    ----------
-    squared : (n_bags,) float64
-        Squared distances of the bags' witnesses.
-    sides : (2, n_bags) float64
-        What every bag weighs as a negative and as a positive one.
+    Squared distances (n_bags,) are those of the bags' witnesses; sides (2, n_bags) are what every bag weighs
+    as a negative and as a positive one.
     """
     total = 0.0
     for bag in range(len(squared)):

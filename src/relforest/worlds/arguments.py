@@ -20,17 +20,8 @@ RENDER_MODES: Final = ("rgb_array",)
 def checked_action(action: object, n_actions: int, meaning: str = "", name: str = "action") -> int:
     """Return a member of a ``Discrete`` space as a plain integer.
 
-    Parameters
-    ----------
-    action : object
-        What Gymnasium's space contains: a Python integer (a bool is one), a NumPy integer, or an integer
-        array without dimensions.
-    n_actions : int
-        Size of the space.
-    meaning : str
-        What the numbers mean, for the message.
-    name : str
-        Name of the action in the message.
+    Gymnasium's space contains Python integers (a bool is one), NumPy integers, and integer arrays without
+    dimensions. Messages tell what the numbers mean, and the name of the action.
 
     Raises
     ------

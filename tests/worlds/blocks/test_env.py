@@ -24,8 +24,7 @@ from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.blocks import Block
 from relforest.worlds.blocks.command import Command
 from relforest.worlds.blocks.env import BlocksEnv, arch_env, color_grouping_env, high_towers_env
-from relforest.worlds.blocks.handling import Handling
-from relforest.worlds.blocks.noise import Noise
+from relforest.worlds.blocks.handling import Handling, Noise
 from relforest.worlds.blocks.policies import make_policy
 from relforest.worlds.blocks.scene import SCHEMA
 from relforest.worlds.blocks.tasks import ARCH_ACTIONS, DONE, MOVE

@@ -13,8 +13,7 @@ from reference.blocks import plain_engine
 from relforest.support.errors import InputError
 from relforest.worlds.blocks.arm import OptionResult
 from relforest.worlds.blocks.blocks import Block, arch_blocks, random_blocks
-from relforest.worlds.blocks.handling import Handling
-from relforest.worlds.blocks.noise import Noise
+from relforest.worlds.blocks.handling import Handling, Noise
 from relforest.worlds.blocks.options import done, isolate, move, put, rotate
 from relforest.worlds.blocks.simulation import BlocksSimulation
 

@@ -5,10 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relforest.worlds.corridor.actions import ACTION_TYPES, DIRECTIONS, LEFT, RIGHT
-from relforest.worlds.corridor.dynamics import NOISE, STEP_LENGTH, next_location
+from relforest.worlds.corridor.dynamics import (
+    ACTION_TYPES,
+    DIRECTIONS,
+    LEFT,
+    NOISE,
+    RIGHT,
+    STEP_LENGTH,
+    next_location,
+    reward,
+)
 from relforest.worlds.corridor.policies import MIDDLE
-from relforest.worlds.corridor.reward import reward
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from relforest.worlds.corridor.reward import reward
+from relforest.worlds.corridor.dynamics import reward
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 
 from relforest.scenes import Scenes
 from relforest.smdp import Action, check_decision
-from relforest.worlds.corridor.actions import ACTION_TYPES
+from relforest.worlds.corridor.dynamics import ACTION_TYPES
 from relforest.worlds.corridor.scene import SCHEMA, decision, scene
 from relforest.worlds.corridor.state import CorridorState
 

@@ -15,13 +15,7 @@ from numpy.typing import NDArray
 
 from relforest.datasets.bag_set import BagSet
 from relforest.datasets.readers.arff_lines import Attribute, parse_attribute, split_fields, split_statement
-from relforest.datasets.readers.fields import (
-    FieldError,
-    at_line,
-    number,
-    positive_labels,
-    split_lines,
-)
+from relforest.datasets.readers.fields import FieldError, at_line, number, positive_labels, split_lines
 from relforest.scenes.sources import Source, name_of, read_text
 from relforest.support.errors import InputError
 
@@ -29,21 +23,11 @@ from relforest.support.errors import InputError
 @final
 @dataclass(frozen=True, slots=True)
 class BagRelation:
-    """The declarations in the head of a multi-instance ARFF file.
+    """The declarations in the head of a multi-instance ARFF file."""
 
-    Attributes
-    ----------
-    name : Attribute
-        The identifier, the first attribute of a bag.
-    features : tuple of Attribute
-        The attributes of an instance, numeric or nominal.
-    label : Attribute
-        The class, the last attribute of a bag.
-    """
-
-    name: Attribute
-    features: tuple[Attribute, ...]
-    label: Attribute
+    name: Attribute  # the identifier, the first attribute of a bag
+    features: tuple[Attribute, ...]  # the attributes of an instance, numeric or nominal
+    label: Attribute  # the class, the last attribute of a bag
 
 
 def read_arff(path: Source, *, positive: str | None = None, encoding: str | None = None) -> BagSet:

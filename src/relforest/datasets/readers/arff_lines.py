@@ -34,23 +34,12 @@ _CONTROLS: Final = {"n": "\n", "r": "\r", "t": "\t"}
 @final
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """A declared attribute.
+    """A declared attribute."""
 
-    Attributes
-    ----------
-    name : str
-        Without quotes.
-    datatype : {"numeric", "nominal", "string", "date", "relational"}
-    values : tuple of str
-        Those of a nominal attribute, in the order of declaration.
-    members : tuple of Attribute
-        Those of a relational attribute.
-    """
-
-    name: str
+    name: str  # without quotes
     datatype: Datatype
-    values: tuple[str, ...] = ()
-    members: tuple[Attribute, ...] = ()
+    values: tuple[str, ...] = ()  # those of a nominal attribute, in the order of declaration
+    members: tuple[Attribute, ...] = ()  # those of a relational attribute
 
 
 def split_statement(line: str) -> tuple[str, str]:

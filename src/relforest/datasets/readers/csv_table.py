@@ -22,19 +22,12 @@ from relforest.support.errors import InputError
 @final
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """Names of the columns to read.
-
-    Attributes
-    ----------
-    bag_id, label : str
-        The bag of an instance, and the bag's label.
-    features : tuple of str or None
-        The components of the point; all other columns if None.
-    """
+    """Names of the columns to read."""
 
     bag_id: str = "bag_id"
     label: str = "bag_label"
-    features: tuple[str, ...] | None = None
+    """The bag of an instance, and the bag's label."""
+    features: tuple[str, ...] | None = None  # the components of the point; all other columns if None
 
 
 def read_csv(

@@ -24,14 +24,8 @@ class Row(NamedTuple):
 def gather(rows: Iterable[Row], positive: str | None, origin: str) -> BagSet:
     """Group instances by their bag; bags come in the order of their first instance.
 
-    Parameters
-    ----------
-    rows : iterable of Row
-        The rows of a bag may be anywhere; all have points of the same length.
-    positive : str or None
-        The label of positive bags, if it is not obvious.
-    origin : str
-        The file, for messages.
+    The rows of a bag may be anywhere; all have points of the same length. The label of positive bags is
+    `positive`, if it is not obvious.
 
     Raises
     ------

@@ -52,15 +52,7 @@ def seeds_of(seed: np.random.SeedSequence) -> tuple[int, np.random.Generator]:
 def play(env: BlocksEnv, condition: str, seed: int, rng: np.random.Generator) -> Measures:
     """Play an episode and yield what was measured, by name.
 
-    Parameters
-    ----------
-    env : BlocksEnv
-    condition : str
-        The policy.
-    seed : int
-        Of the world.
-    rng : numpy.random.Generator
-        Of the policy.
+    The condition is the policy; the seed is that of the world, and `rng` is for the policy.
     """
     policy = make_policy(_NAMES.get(condition, condition), env)
     env.reset(seed=seed)

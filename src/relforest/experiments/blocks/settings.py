@@ -24,24 +24,12 @@ TASK_TITLES: Final[Mapping[str, str]] = {TOWERS: "high towers", GROUPS: "color g
 @final
 @dataclass(frozen=True, slots=True)
 class BlocksSetting:
-    """One measurement.
+    """One measurement."""
 
-    Parameters
-    ----------
-    part : str
-        SETTLE, LIFT, TOWERS, GROUPS, ARCHES, COLORS, OUTCOMES or SPEED.
-    condition : str
-        Which blocks, policy, colors or task.
-    count : int
-        Drops, episodes, pairs of colors or scenes.
-    chunk : int
-        Number of this share of the measurement; shares are computed side by side.
-    """
-
-    part: str
-    condition: str
-    count: int = 1
-    chunk: int = 0
+    part: str  # SETTLE, LIFT, TOWERS, GROUPS, ARCHES, COLORS, OUTCOMES or SPEED
+    condition: str  # which blocks, policy, colors or task
+    count: int = 1  # drops, episodes, pairs of colors or scenes
+    chunk: int = 0  # number of this share of the measurement; shares are computed side by side
 
     def __str__(self) -> str:
         """Return the part, the condition and the number of the share."""

@@ -22,20 +22,14 @@ from relforest.reports.style import BLUE, INK, ORANGE, PALE, styled
 @final
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """How often one test accepted a question on noise.
-
-    Parameters
-    ----------
-    test, objects : str
-        The test with its level, and the number of objects of a scene.
-    n_sets, n_accepted : int
-        Scene sets, and those in which a question was accepted.
-    """
+    """How often one test accepted a question on noise."""
 
     test: str
     objects: str
+    """The test with its level, and the number of objects of a scene."""
     n_sets: int
     n_accepted: int
+    """Scene sets, and those in which a question was accepted."""
 
     @property
     def rate(self) -> float:

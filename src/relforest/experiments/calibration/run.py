@@ -54,12 +54,6 @@ def compute(setting: CalibrationSetting, context: Context) -> list[Row]:
 def noise(rng: np.random.Generator, setting: CalibrationSetting) -> tuple[Scenes, NDArray[np.bool_]]:
     """Draw scenes with normal locations, and labels that have nothing to do with them.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of randomness.
-    setting : CalibrationSetting
-
     Returns
     -------
     scenes : Scenes

@@ -19,34 +19,17 @@ STRICT_ALPHA: Final = 1e-3
 @final
 @dataclass(frozen=True, slots=True)
 class CalibrationSetting:
-    """A number of scene sets on which one test is tried.
+    """A number of scene sets on which one test is tried."""
 
-    Parameters
-    ----------
-    test : {"likelihood-ratio", "permutation"}
-        How an expansion must prove itself.
-    fewest, most : int
-        Objects of a scene (uniform in between).
-    block : int
-        Number of this setting among those of the same test and size.
-    n_sets : int
-        Scene sets.
-    n_scenes : int
-        Scenes in each set, half of them labelled positive.
-    alpha : float
-        Nominal level of the test.
-    permutations : int
-        Shuffles of the permutation test.
-    """
-
-    test: Test
+    test: Test  # how an expansion must prove itself
     fewest: int
     most: int
-    block: int
-    n_sets: int = 25
-    n_scenes: int = 100
-    alpha: float = ALPHA
-    permutations: int = 99
+    """Objects of a scene (uniform in between)."""
+    block: int  # number of this setting among those of the same test and size
+    n_sets: int = 25  # scene sets
+    n_scenes: int = 100  # scenes in each set, half of them labelled positive
+    alpha: float = ALPHA  # nominal level of the test
+    permutations: int = 99  # shuffles of the permutation test
 
     @property
     def label(self) -> str:

@@ -21,16 +21,11 @@ _ACROSS: Final = np.arange(0.12, 0.24, 0.005)
 @final
 @dataclass(frozen=True, slots=True)
 class CentredEllipse:
-    """An ellipse around the middle between A and B, in the scaled reframe of A and B.
-
-    Parameters
-    ----------
-    along, across : float
-        Semi-axes in the direction from A to B and at right angles to it, in distances from A to B.
-    """
+    """An ellipse around the middle between A and B, in the scaled reframe of A and B."""
 
     along: float
     across: float
+    """Semi-axes in the direction from A to B and at right angles to it, in distances from A to B."""
 
     @classmethod
     def best(cls, scenes: Scenes, labels: NDArray[np.bool_]) -> CentredEllipse:

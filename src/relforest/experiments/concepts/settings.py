@@ -12,30 +12,14 @@ Learner = Literal["tree", "boosting", "forest", "rules"]
 @final
 @dataclass(frozen=True, slots=True)
 class ConceptSetting:
-    """One model: a concept, a learner and a seed.
+    """One model: a concept, a learner and a seed."""
 
-    Parameters
-    ----------
-    concept : str
-        A key of `TITLES`.
-    replicate : int
-        Number of the seed.
-    n_scenes : int
-        Scenes in the training set, and in each test set.
-    alpha : float
-        Nominal level of the likelihood ratio test of a tree.
-    max_points : int
-        Expansions of a tree with more points than this are sampled.
-    learner : str
-        A SMRF tree, or a model of `relforest.forests` with its default parameters.
-    """
-
-    concept: str
-    replicate: int
-    n_scenes: int = 500
-    alpha: float = 1e-3
-    max_points: int = 100_000
-    learner: Learner = "tree"
+    concept: str  # a key of `TITLES`
+    replicate: int  # number of the seed
+    n_scenes: int = 500  # scenes in the training set, and in each test set
+    alpha: float = 1e-3  # nominal level of the likelihood ratio test of a tree
+    max_points: int = 100_000  # expansions of a tree with more points than this are sampled
+    learner: Learner = "tree"  # a SMRF tree, or a model of `relforest.forests` with its default parameters
 
     @property
     def method(self) -> str:

@@ -16,33 +16,16 @@ SPEED: Final = "speed"
 @final
 @dataclass(frozen=True, slots=True)
 class KeepawaySetting:
-    """One measurement.
+    """One measurement."""
 
-    Parameters
-    ----------
-    part : str
-        PHYSICS, DURATIONS, LEARNING or SPEED.
-    keepers, takers : int
-    size : float
-        Side of the field in metres.
-    condition : str
-        Policy of the keepers, or how they learn.
-    episodes : int
-        Episodes played.
-    block : int
-        Episodes over which durations are averaged while learning.
-    run : int
-        Number of the run.
-    """
-
-    part: str
+    part: str  # PHYSICS, DURATIONS, LEARNING or SPEED
     keepers: int = 3
     takers: int = 2
-    size: float = 20.0
-    condition: str = ""
-    episodes: int = 0
-    block: int = 500
-    run: int = 0
+    size: float = 20.0  # side of the field in metres
+    condition: str = ""  # policy of the keepers, or how they learn
+    episodes: int = 0  # episodes played
+    block: int = 500  # episodes over which durations are averaged while learning
+    run: int = 0  # number of the run
 
     @property
     def game(self) -> str:

@@ -29,11 +29,7 @@ _WHOLES: Final[Mapping[str, Sequence[str]]] = {
 def verdicts(results: Results, cpu_limit: float) -> Iterator[Claim]:
     """Yield all claims of the study, also those that cannot be made because something was left out.
 
-    Parameters
-    ----------
-    results : Results
-    cpu_limit : float
-        CPU seconds that a method which was stopped would have needed at least.
+    A method that was stopped would have needed `cpu_limit` CPU seconds at least.
     """
     yield from _scores(results)
     yield from _peers(results)

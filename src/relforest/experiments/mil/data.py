@@ -42,42 +42,25 @@ _DRAWS, _FOLDS, _TUNING = 0, 1, 2
 @final
 @dataclass(frozen=True, slots=True)
 class Synthetic:
-    """A data set that can be drawn any number of times.
+    """A data set that can be drawn any number of times."""
 
-    Parameters
-    ----------
-    title : str
-        As tables have it.
-    key : int
-        Its number in the names of random streams; never given to another one.
-    draw : callable
-        Draws the given number of bags.
-    draw_test : callable, optional
-        Draws test bags, if their distribution is another one than that of training bags.
-    """
-
-    title: str
-    key: int
-    draw: Callable[[np.random.Generator, int], BagSet]
+    title: str  # as tables have it
+    key: int  # its number in the names of random streams; never given to another one
+    draw: Callable[[np.random.Generator, int], BagSet]  # draws the given number of bags
     draw_test: Callable[[np.random.Generator, int], BagSet] | None = None
+    """Draws test bags, if their distribution is another one than that of training bags."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Standard:
-    """A data set that exists once.
-
-    Parameters
-    ----------
-    title, key
-        As of a synthetic one.
-    fetch : callable
-        Reads the bags, or raises a `DataError`: a `MissingDataError` if the file is missing.
-    """
+    """A data set that exists once."""
 
     title: str
     key: int
+    """Both as of a synthetic one."""
     fetch: Callable[[], BagSet]
+    """Reads the bags, or raises a `DataError`: a `MissingDataError` if the file is missing."""
 
 
 DataSet: TypeAlias = Synthetic | Standard
@@ -161,14 +144,8 @@ study and that of ``mil_ablation`` for what was known of these.
 def splitter(data_set: DataSet, *, seed: int, n_bags: int) -> Callable[[int], Split]:
     """Return a function from the number of a fold to its bags, the same for all methods.
 
-    Parameters
-    ----------
-    data_set : DataSet
-    seed : int
-        The seed of the study.
-    n_bags : int
-        Bags in each training and test set of a synthetic data set; a fold of a standard one is one of
-        `N_FOLDS` parts.
+    Of a synthetic data set, `n_bags` are drawn for each training and test set; a fold of a standard one is
+    one of `N_FOLDS` parts.
     """
     if isinstance(data_set, Synthetic):
         draws = stream(seed_sequence(seed), _DRAWS, data_set.key)
@@ -195,16 +172,8 @@ def tuning_splits(data_set: Synthetic, *, seed: int, n_bags: int, count: int) ->
 def stratified_parts(labels: NDArray[np.bool_], n_parts: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Deal bags out at random to parts of nearly equal size with nearly equal shares of positives.
 
-    Parameters
-    ----------
-    labels : (n_bags,) bool
-    n_parts : int
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    (n_bags,) int64
-        The part of each bag: counts of parts differ by at most one, of either class and in total.
+    Return the part of each bag, (n_bags,): counts of parts differ by at most one, of either class and in
+    total.
     """
     order = np.concatenate([rng.permutation(np.flatnonzero(labels == label)) for label in (True, False)])
     parts = np.empty(len(labels), dtype=np.int64)

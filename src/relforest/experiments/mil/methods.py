@@ -28,34 +28,19 @@ Parameters: TypeAlias = Mapping[str, float]
 @final
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A method with its parameters.
+    """A method with its parameters."""
 
-    Parameters
-    ----------
-    title : str
-        As tables have it.
-    key : int
-        Its number in the names of random streams; never given to another one.
-    estimator : callable
-        Makes the learner from keyword arguments. If its parameters include ``random_state``, it is given one.
-    is_tuned : bool
-        Whether ``C`` and ``gamma_factor`` are chosen on separate draws of each data set.
-    """
-
-    title: str
-    key: int
+    title: str  # as tables have it
+    key: int  # its number in the names of random streams; never given to another one
     estimator: Callable[..., Any]
-    is_tuned: bool = False
+    """Makes the learner from keyword arguments. If its parameters include ``random_state``, it is given
+    one."""
+    is_tuned: bool = False  # whether ``C`` and ``gamma_factor`` are chosen on separate draws of each data set
 
     def learner(self, seed: np.random.SeedSequence, parameters: Parameters) -> BagClassifier:
         """Make a learner that has not learned anything.
 
-        Parameters
-        ----------
-        seed : numpy.random.SeedSequence
-            Its random stream.
-        parameters : mapping of str to float
-            What differs from the defaults.
+        The parameters are those that differ from the defaults.
         """
         learner = self.estimator(**parameters)
         if "random_state" in learner.get_params():

@@ -18,25 +18,14 @@ from relforest.metrics import SampleMoments, sidak_level, two_sample_p_value
 @final
 @dataclass(frozen=True, slots=True)
 class Result:
-    """One method on one data set.
-
-    Parameters
-    ----------
-    scores, times : tuple of float
-        Peirce skill scores and CPU seconds of the folds that were done.
-    peak_bytes : int
-        The largest memory of its processes.
-    is_stopped : bool
-        Whether a fold took too long.
-    facts : mapping
-        The chosen parameters and the size of the data; unknown ones are None.
-    """
+    """One method on one data set."""
 
     scores: tuple[float, ...]
     times: tuple[float, ...]
-    peak_bytes: int
-    is_stopped: bool
-    facts: Mapping[str, Cell]
+    """Peirce skill scores and CPU seconds of the folds that were done."""
+    peak_bytes: int  # the largest memory of its processes
+    is_stopped: bool  # whether a fold took too long
+    facts: Mapping[str, Cell]  # the chosen parameters and the size of the data; unknown ones are None
 
     @property
     def skill(self) -> SampleMoments | None:
@@ -55,15 +44,9 @@ _FACTS = ("C", "gamma_factor", "n_bags", "n_positive", "n_instances", "n_feature
 @final
 @dataclass(frozen=True, slots=True)
 class Results:
-    """All that was measured.
+    """All that was measured."""
 
-    Parameters
-    ----------
-    by_cell : mapping
-        Name of the data set and of the method -> result.
-    """
-
-    by_cell: Mapping[tuple[str, str], Result]
+    by_cell: Mapping[tuple[str, str], Result]  # name of the data set and of the method -> result
 
     @classmethod
     def of(cls, table: Table) -> Results:
@@ -94,19 +77,16 @@ class Results:
 def mark(ours: SampleMoments | None, other: SampleMoments | None, *, is_cost: bool = False) -> str:
     """Return the sign of a significant difference between covariant aggregation and another method.
 
+    Return ``">"`` if ours is more, ``"<"`` if it is less, empty if the difference is not significant: in a
+    two-tailed two-sample t-test at the level .05 where the other is better, and at the level corrected by
+    Sidak for the number of comparisons where ours is.
+
     Parameters
     ----------
     ours, other : SampleMoments or None
         Of covariant aggregation and of the other method; None for one that was stopped.
     is_cost : bool
         Whether less is better.
-
-    Returns
-    -------
-    str
-        ``">"`` if ours is more, ``"<"`` if it is less, empty if the difference is not significant: in a
-        two-tailed two-sample t-test at the level .05 where the other is better, and at the level corrected
-        by Sidak for the number of comparisons where ours is.
 
     References
     ----------
@@ -125,26 +105,16 @@ def mark(ours: SampleMoments | None, other: SampleMoments | None, *, is_cost: bo
 @final
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A method over the data sets that it was tried on.
-
-    Parameters
-    ----------
-    n_data_sets, n_stopped : int
-        On how many it was tried, and stopped.
-    with_zeros : float
-        Mean score with 0 for those where it was stopped; NaN if it was tried on none.
-    of_finished : float
-        Mean score over those it finished; NaN if there is none.
-    improved_with_zeros, improved_on_finished : float
-        The improved method's mean score over the same data sets; NaN if it was not tried on one of them.
-    """
+    """A method over the data sets that it was tried on."""
 
     n_data_sets: int
     n_stopped: int
-    with_zeros: float
-    of_finished: float
+    """On how many it was tried, and stopped."""
+    with_zeros: float  # mean score with 0 for those where it was stopped; NaN if it was tried on none
+    of_finished: float  # mean score over those it finished; NaN if there is none
     improved_with_zeros: float
     improved_on_finished: float
+    """The improved method's mean score over the same data sets; NaN if it was not tried on one of them."""
 
     @property
     def lead(self) -> float:
@@ -155,15 +125,7 @@ class Mean:
 
 
 def means(results: Results, method: str, among: Collection[str] = COMPARED) -> Mean:
-    """Return the means of a method over the data sets it was tried on.
-
-    Parameters
-    ----------
-    results : Results
-    method : str
-    among : collection of str
-        Only of these data sets.
-    """
+    """Return the means of a method over the data sets it was tried on, as far as they are `among` these."""
     tried = [name for name in results.data_sets if name in among and results.get(name, method) is not None]
     own, other = (np.array([results.mean(name, one) for name in tried]) for one in (method, IMPROVED))
     finished = ~np.isnan(own)

@@ -77,10 +77,7 @@ def compute(setting: MilSetting, context: Context) -> list[Row]:
 def measured(setting: MilSetting, seed: int, parameters: Parameters) -> dict[str, Cell] | None:
     """Learn from a fold and predict it, after a first small problem: its score, time and size.
 
-    Returns
-    -------
-    dict or None
-        None if it took longer than allowed; then this process may as well have ended.
+    Return None if it took longer than allowed; then this process may as well have ended.
     """
     data_set, method = DATA_SETS[setting.data_set], METHODS[setting.method]
     split = splitter(data_set, seed=seed, n_bags=setting.n_bags)(setting.fold)
@@ -142,10 +139,8 @@ def tried(setting: MilSetting, seed: int, parameters: Parameters) -> float | Non
 def grid_points(step: int) -> tuple[dict[str, float], ...]:
     """Return points of the source's grid, those with values nearest to the constant parameters first.
 
-    Parameters
-    ----------
-    step : int
-        1 for the whole grid of `svm_grid`; k for every k-th power, counted from the constant parameters.
+    A `step` of 1 gives the whole grid of `svm_grid`, k every k-th power, counted from the constant
+    parameters.
     """
     axes = svm_grid("full")
     costs = _every(axes["C"], 10, step)

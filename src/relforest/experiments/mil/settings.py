@@ -16,49 +16,24 @@ from relforest.experiments.mil.data import (
     Standard,
     Synthetic,
 )
-from relforest.experiments.mil.methods import (
-    BAG_MARGIN,
-    COVAGG,
-    DD,
-    EM_DD,
-    INSTANCE_MARGIN,
-    METHODS,
-)
+from relforest.experiments.mil.methods import BAG_MARGIN, COVAGG, DD, EM_DD, INSTANCE_MARGIN, METHODS
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MilSetting:
-    """One method on one fold of one data set.
+    """One method on one fold of one data set."""
 
-    Parameters
-    ----------
-    data_set : str
-        A key of `DATA_SETS`.
-    method : str
-        A key of `METHODS`.
-    fold : int
-        Which draw of a synthetic data set, or which of the `N_FOLDS` parts of a standard one is tested.
-    n_bags : int
-        Bags in each training and test set that is drawn.
-    cpu_limit : float
-        CPU seconds of training and prediction after which the fold is stopped.
-    tuning_draws : int
-        Pairs of training and test sets on which parameters are chosen.
-    trial_limit : float
-        CPU seconds that all these may take with one point of the grid, else it is not chosen.
-    grid_step : int
-        1 for the whole grid of the source, k for every k-th power of its parameters.
-    """
-
-    data_set: str
-    method: str
+    data_set: str  # a key of `DATA_SETS`
+    method: str  # a key of `METHODS`
     fold: int
-    n_bags: int = 100
-    cpu_limit: float = 300.0
-    tuning_draws: int = 0
+    """Which draw of a synthetic data set, or which of the `N_FOLDS` parts of a standard one is tested."""
+    n_bags: int = 100  # bags in each training and test set that is drawn
+    cpu_limit: float = 300.0  # CPU seconds of training and prediction after which the fold is stopped
+    tuning_draws: int = 0  # pairs of training and test sets on which parameters are chosen
     trial_limit: float = 60.0
-    grid_step: int = 1
+    """CPU seconds that all these may take with one point of the grid, else it is not chosen."""
+    grid_step: int = 1  # 1 for the whole grid of the source, k for every k-th power of its parameters
 
     def __str__(self) -> str:
         """Return the titles of the data set and the method, and the fold."""

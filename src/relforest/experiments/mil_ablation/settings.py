@@ -14,24 +14,13 @@ from relforest.mil.volume_panels import PANELS
 @final
 @dataclass(frozen=True, slots=True)
 class AblationSetting:
-    """One data set.
+    """One data set."""
 
-    Parameters
-    ----------
-    data_set : str
-        A key of `TITLES`.
-    draws : int
-        Pairs of a training and a test set; of Musk 1, folds of repeated 10-fold cross validation.
-    n_bags : int
-        Bags in each synthetic set; 0 for as many as its generator draws by default.
-    is_whole : bool
-        Whether all variants are run, or just the published algorithm and the committee.
-    """
-
-    data_set: str
+    data_set: str  # a key of `TITLES`
     draws: int = 10
-    n_bags: int = 0
-    is_whole: bool = True
+    """Pairs of a training and a test set; of Musk 1, folds of repeated 10-fold cross validation."""
+    n_bags: int = 0  # bags in each synthetic set; 0 for as many as its generator draws by default
+    is_whole: bool = True  # whether all variants are run, or just the published algorithm and the committee
 
     @property
     def variants(self) -> tuple[str, ...]:

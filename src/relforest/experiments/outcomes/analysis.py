@@ -8,8 +8,6 @@ from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.outcomes.run import compute, unavailable
@@ -33,6 +31,7 @@ from relforest.experiments.samples import Samples
 from relforest.experiments.sheets import Estimate, Sheet
 from relforest.experiments.study import Study
 from relforest.experiments.table import Table
+from relforest.metrics import mean_interval
 from relforest.reports.style import BLUE, GOLD, GREEN, GREY, INK, MARKERS, ORANGE, PINK, SERIES, mixed, styled
 
 METHODS: Final = (OURS, SMRF, OF_2012, *RIVALS)
@@ -62,7 +61,7 @@ def summarize(table: Table) -> Findings:
 def _claims(samples: Samples) -> Iterator[Claim]:
     """Yield what the outcome forest must reach."""
     behind = [
-        _upper_end(ours - theirs)
+        mean_interval(ours - theirs).high
         for task, direction, rival in product(TASKS, DIRECTIONS, RIVALS)
         if len(ours := samples["models", task, *direction, OURS, "pss"]) > 1
         and len(ours) == len(theirs := samples["models", task, *direction, rival, "pss"])
@@ -100,12 +99,6 @@ def _transfer(samples: Samples, method: str) -> float:
     return float(
         np.mean([samples.mean(("models", task, *way, method, "pss")).value for task in _HARD for way in ways])
     )
-
-
-def _upper_end(differences: NDArray[np.float64]) -> float:
-    """Return the upper end of the 95 % t interval of paired differences (n,)."""
-    n = len(differences)
-    return float(differences.mean() + stdtrit(n - 1, 0.975) * differences.std(ddof=1) / n**0.5)
 
 
 def _scores(samples: Samples) -> Sheet:

@@ -29,7 +29,7 @@ _FEWER: Final = 4
 def repeated(
     setting: OutcomeSetting, sets: Mapping[tuple[str, int], Labelled], seed: np.random.SeedSequence
 ) -> Iterator[Row]:
-    """Yield rows like those of `run`: scores of small forests, shares of stubs and of mappings in questions.
+    """Yield scores of small forests, shares of stubs and of mappings in questions.
 
     A forest of each size of scenes is learned from all training scenes. Draws of as many trees for the labels
     as for the negated ones are weighed and judged by cross-validation on a second set of scenes; for scenes
@@ -45,7 +45,7 @@ def repeated(
         ).fit(scenes, labels)
         trees = [tree for tree in forest.ensemble_.trees if isinstance(tree, Tree)]
         for measure, value in shares(trees).items():
-            yield _row(trained, trained, "all trees", measure, value)
+            yield row(trained, trained, "all trees", measure, value)
         said = {size: features(forest.ensemble_, sets[size, TESTING].scenes, "probability") for size in SIZES}
         negated = forest.ensemble_.weights < 0.0
         most = setting.smrf_trees // 4
@@ -66,7 +66,7 @@ def repeated(
                         if tested == trained
                         else transferred(second, other, rng)
                     )
-                    yield _row(trained, tested, f"{size} + {size}", "pss", score)
+                    yield row(trained, tested, f"{size} + {size}", "pss", score)
 
 
 def shares(trees: list[Tree]) -> dict[str, float]:
@@ -111,5 +111,6 @@ def _judged(
     return np.asarray(machine.start + columns @ machine.weights >= machine.boundary)
 
 
-def _row(trained: str, tested: str, method: str, measure: str, value: float) -> Row:
+def row(trained: str, tested: str, method: str, measure: str, value: float) -> Row:
+    """Return a row of the table."""
     return {"trained": trained, "tested": tested, "method": method, "measure": measure, "value": value}

@@ -15,7 +15,7 @@ from scipy.stats import norm
 from sklearn.metrics import roc_auc_score, roc_curve
 
 from relforest.experiments.outcomes.networks import NETWORKS
-from relforest.experiments.outcomes.protocol import repeated
+from relforest.experiments.outcomes.protocol import repeated, row
 from relforest.experiments.outcomes.rivals import LEARNERS, Learner, Scores
 from relforest.experiments.outcomes.scenes import TESTING, TRAINING, Labelled, drawn
 from relforest.experiments.outcomes.settings import OF_2012, OURS, SIZES, SMRF, OutcomeSetting
@@ -85,11 +85,6 @@ def _compared(
                     for measure, value in measures(labels, scores(scenes)).items():
                         yield row(trained, tested, method, measure, value)
             yield row(trained, trained, method, "seconds", seconds)
-
-
-def row(trained: str, tested: str, method: str, measure: str, value: float) -> Row:
-    """Return a row of the table."""
-    return {"trained": trained, "tested": tested, "method": method, "measure": measure, "value": value}
 
 
 def measures(labels: NDArray[np.bool_], scores: NDArray[np.float64]) -> dict[str, float]:

@@ -24,34 +24,17 @@ SIZES: Final = (SMALL, LARGE)
 @final
 @dataclass(frozen=True, slots=True)
 class OutcomeSetting:
-    """A task and a draw of its scenes.
+    """A task and a draw of its scenes."""
 
-    Parameters
-    ----------
-    task : str
-        A key of `TASKS`.
-    draw : int
-        Number of the draw.
-    part : {"models", "networks", "protocol"}
-        All models on the same scenes, neural networks on these, or the source's experiment with forests of
-        SMRF trees.
-    n_scenes : int
-        Scenes to learn from.
-    n_test : int
-        Scenes of each size to be tested on; in the source's experiment its second set.
-    smrf_trees : int
-        SMRF trees of a forest.
-    repeats : int
-        Draws of trees from the forest, in the source's experiment.
-    """
-
-    task: str
-    draw: int
+    task: str  # a key of `TASKS`
+    draw: int  # number of the draw
     part: Part = "models"
-    n_scenes: int = 500
-    n_test: int = 5000
-    smrf_trees: int = 50
-    repeats: int = 0
+    """All models on the same scenes, neural networks on these, or the source's experiment with forests of
+    SMRF trees."""
+    n_scenes: int = 500  # scenes to learn from
+    n_test: int = 5000  # scenes of each size to be tested on; in the source's experiment its second set
+    smrf_trees: int = 50  # SMRF trees of a forest
+    repeats: int = 0  # draws of trees from the forest, in the source's experiment
 
     def __str__(self) -> str:
         """Return part, task and draw."""

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from relforest.experiments.registry import STUDIES
 from relforest.experiments.report.of_run import run_section
-from relforest.experiments.report.of_study import study_section
-from relforest.experiments.report.section import Section
+from relforest.experiments.report.section import Picture, Section
 from relforest.experiments.run_config import RUN
-from relforest.experiments.runner import STUDY
+from relforest.experiments.runner import STUDY, saved_rows
+from relforest.experiments.sheets import Passage, Sheet
 from relforest.support.errors import InputError
 
 
 def section_of(folder: Path, *, episodes: int = 2, seed: int = 0) -> Section:
     """Return what was found in a folder.
 
-    Parameters
-    ----------
-    folder : path
-        Of ``relforest experiment`` or ``relforest learn``.
-    episodes : int
-        How many are played with a learned policy.
-    seed : int
-        Of these episodes.
+    It is one of ``relforest experiment`` or ``relforest learn``; with a learned policy, some episodes are
+    played.
 
     Raises
     ------
@@ -32,7 +27,7 @@ def section_of(folder: Path, *, episodes: int = 2, seed: int = 0) -> Section:
         If a file is damaged.
     """
     if (folder / STUDY).exists():
-        return study_section(folder)
+        return _study_section(folder)
     if (folder / RUN).exists():
         return run_section(folder, episodes=episodes, seed=seed)
     if not folder.is_dir():
@@ -40,3 +35,38 @@ def section_of(folder: Path, *, episodes: int = 2, seed: int = 0) -> Section:
     raise InputError(
         f"{folder} is neither a study nor a run: give a folder of 'relforest experiment' or 'relforest learn'"
     )
+
+
+def _study_section(folder: Path) -> Section:
+    """Return claims, figures, tables and texts, computed from the rows that are saved so far.
+
+    Raises
+    ------
+    InputError
+        If there are no rows yet, or the study is unknown here.
+    RunFolderError
+        If a file is damaged.
+    """
+    saved = saved_rows(folder)
+    if saved.study not in STUDIES:
+        raise InputError(
+            f"{folder} is of the study {saved.study!r}, which this version of relforest does not have"
+        )
+    study = STUDIES[saved.study]
+    findings = study.summarize(saved.table)
+    lead = [study.question, f"Seed {saved.seed}, {saved.n_done} of {saved.n_settings} settings."]
+    if saved.n_done < saved.n_settings:
+        lead[-1] += " The others have not been computed: whatever is said here leaves them out."
+    if saved.is_smoke:
+        lead.append(
+            "This is the small version that only shows that the study runs: its numbers mean nothing."
+        )
+    lead += filter(None, [findings.text])
+    pictures = [
+        Picture(Path(name).stem.replace("-", " "), figure)
+        for name, figure in study.figures(saved.table).items()
+    ]
+    # Numbers first, long texts last.
+    sheets = [part for part in findings.parts if isinstance(part, Sheet)]
+    texts = [part for part in findings.parts if isinstance(part, Passage)]
+    return Section(study.name, tuple(lead), findings.claims, (*pictures, *sheets, *texts))

@@ -34,15 +34,6 @@ if TYPE_CHECKING:
 def run_section(folder: Path, *, episodes: int, seed: int) -> Section:
     """Return rewards, and what the first run has learned: in words, drawn, and played.
 
-    Parameters
-    ----------
-    folder : path
-        Of ``relforest learn``.
-    episodes : int
-        How many are played.
-    seed : int
-        Of these episodes.
-
     Raises
     ------
     InputError

@@ -19,11 +19,6 @@ _SIGNS: Final = {"met": "\u2713 met", "MISSED": "\u2717 missed", "not claimed": 
 def report_page(sections: Sequence[Section], *, title: str) -> str:
     """Return a page with all sections, and links to them if there are several.
 
-    Parameters
-    ----------
-    sections : sequence of Section
-    title : str
-
     Raises
     ------
     InputError

@@ -35,19 +35,9 @@ Part: TypeAlias = Picture | Player | Sheet | Passage
 @final
 @dataclass(frozen=True, slots=True)
 class Section:
-    """What was found in one folder.
-
-    Parameters
-    ----------
-    heading : str
-    lead : tuple of str
-        Paragraphs at the beginning.
-    claims : tuple of Claim
-        Numbers beside the bounds that they must keep.
-    parts : tuple of Picture, Player, Sheet and Passage
-    """
+    """What was found in one folder."""
 
     heading: str
-    lead: tuple[str, ...]
-    claims: tuple[Claim, ...] = ()
+    lead: tuple[str, ...]  # paragraphs at the beginning
+    claims: tuple[Claim, ...] = ()  # numbers beside the bounds that they must keep
     parts: tuple[Part, ...] = ()

@@ -14,46 +14,26 @@ PARENT: Final = "parent"
 @final
 @dataclass(frozen=True, slots=True)
 class ResumeSetting:
-    """One or several runs, killed at a number of moments and restarted each time.
+    """One or several runs, killed at a number of moments and restarted each time."""
 
-    Parameters
-    ----------
-    name : str
-        As on the command line; settings with the same name are parts of one variant.
-    title : str
-        A few words.
-    runs, jobs : int
-        Options of ``relforest learn``.
-    resumed_jobs : int
-        The same for the restarts.
-    episodes, iterations : int
-        Options of ``relforest learn``.
-    moments : int
-        Number of moments, spread over the duration of an uninterrupted run.
-    kills : int
-        How often each run is killed: at its moment, and at further moments after each restart.
-    whom : {"group", "parent"}
-        ``"group"`` sends SIGKILL to all processes. ``"parent"`` sends, in turn, SIGKILL and SIGTERM to the
-        first process, and SIGINT and SIGHUP to all, like Ctrl-C and a closed terminal.
-    part : int
-        Number of the part of its variant.
-    task, method : str
-        What is learned, and how.
-    """
-
-    name: str
-    title: str
+    name: str  # as on the command line; settings with the same name are parts of one variant
+    title: str  # a few words
     runs: int
     jobs: int
-    resumed_jobs: int
+    """Both are options of ``relforest learn``."""
+    resumed_jobs: int  # the same for the restarts
     episodes: int = 200
     iterations: int = 4
-    moments: int = 10
-    kills: int = 1
+    """Both are options of ``relforest learn``."""
+    moments: int = 10  # number of moments, spread over the duration of an uninterrupted run
+    kills: int = 1  # how often each run is killed: at its moment, and at further moments after each restart
     whom: str = GROUP
-    part: int = 0
+    """{"group", "parent"}: ``"group"`` sends SIGKILL to all processes. ``"parent"`` sends, in turn, SIGKILL
+    and SIGTERM to the first process, and SIGINT and SIGHUP to all, like Ctrl-C and a closed terminal."""
+    part: int = 0  # number of the part of its variant
     task: str = "corridor"
     method: MethodName = "smrf-rpi"
+    """What is learned, and how."""
 
     def __str__(self) -> str:
         """Return the title and, if there are several parts, which kills these are."""

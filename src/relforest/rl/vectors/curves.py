@@ -35,20 +35,13 @@ _LEAST_SPREAD: Final = 1e-3
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Curves:
-    """Curves of the numbers of a vector.
+    """Curves of the numbers of a vector."""
 
-    Parameters
-    ----------
-    knots : (w, N_KNOTS) float64
-        In ascending order; beyond the ends, curves are flat.
-    heights : (2, w, N_KNOTS) float64
-        What they add at the knots, to the value of the first action and to the advantage of others.
-    constants : (2,) float64
-    """
-
-    knots: FloatArray
+    knots: FloatArray  # (w, N_KNOTS) in ascending order; beyond the ends, curves are flat
     heights: FloatArray
-    constants: FloatArray
+    """(2, w, N_KNOTS): what they add at the knots, to the value of the first action and to the advantage of
+    others."""
+    constants: FloatArray  # (2,)
 
     fields: ClassVar[tuple[str, ...]] = ("knots", "heights", "constants")
 

@@ -32,23 +32,14 @@ _LAYERS: Final = 4
 class Network:
     """Two layers for each part of a vector, and two for the sum over the parts that are not zero.
 
-    Parameters
-    ----------
-    parts : int
-        Into how many parts of equal length a vector is cut; 1 makes it an ordinary network.
-    layers : tuple of ((n_in, n_out) float32, (n_out,) float32)
-        Weights and constants of the layers.
-    scale : (2,) float64
-        Mean and deviation that give the output its unit.
-
     References
     ----------
     Zaheer et al., Deep Sets (2017).
     """
 
-    parts: int
-    layers: tuple[tuple[Floats, Floats], ...]
-    scale: FloatArray
+    parts: int  # into how many parts of equal length a vector is cut; 1 makes it an ordinary network
+    layers: tuple[tuple[Floats, Floats], ...]  # weights and constants of the layers
+    scale: FloatArray  # (2,) mean and deviation that give the output its unit
 
     fields: ClassVar[tuple[str, ...]] = (
         "parts",

@@ -24,17 +24,9 @@ def swept(
 ) -> Known:
     """Return a model of the returns of its own greedy policy.
 
-    Parameters
-    ----------
-    before : Model or None
-        What was known. Without it, the first returns are those of the policy of the experience.
-    evidence : Evidence
-    rows : Rows
-        The candidates of the evidence.
-    fit : callable
-        Turns what the actions taken are worth, (n,), into a model.
-    sweeps : int
-        Most models that are fitted, at least 1.
+    If nothing was known before, the first returns are those of the policy of the experience. The rows are the
+    candidates of the evidence; `fit` turns what the actions taken are worth, (n,), into a model, at most
+    `sweeps` times.
 
     Raises
     ------

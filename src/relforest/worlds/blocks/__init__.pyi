@@ -3,8 +3,7 @@ from .balance import balance_scale_scenes
 from .blocks import Block, arch_blocks, random_blocks
 from .drop_on import drop_on_scenes
 from .engine import Engine
-from .handling import Handling
-from .noise import Noise
+from .handling import Handling, Noise
 from .options import done, isolate, move, put, rotate
 from .simulation import BlocksSimulation
 

@@ -60,12 +60,8 @@ class FlatActions:
     def offer(self, present: NDArray[np.bool_], movers: NDArray[np.int64]) -> Offer:
         """Return the actions for which all objects are present; offers are cached because most recur.
 
-        Parameters
-        ----------
-        present : (n_slots,) bool
-            Which slots have an object.
-        movers : (n_targets,) int64
-            The slot of the block that each target is for.
+        Of the slots, `present` (n_slots,) have an object; `movers` (n_targets,) are those of the blocks that
+        targets are for.
         """
         key = present.tobytes() + movers.tobytes()
         offer = self._offers.get(key)
@@ -131,12 +127,7 @@ def flat_actions(
 def position_of(decision: Decision, action_type: int, *objects: int) -> int:
     """Return the position of an available action in a decision.
 
-    Parameters
-    ----------
-    action_type : int
-        Position among the action types.
-    *objects : int
-        Rows of the objects bound to its parameters.
+    An action is its position among the action types, and the rows of the objects bound to its parameters.
 
     Raises
     ------

@@ -13,8 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
-from relforest.worlds.blocks.handling import Handling
-from relforest.worlds.blocks.noise import spread
+from relforest.worlds.blocks.handling import Handling, spread
 from relforest.worlds.blocks.overlap import overlapping
 from relforest.worlds.blocks.simulation import MAX_STAGE_STEPS, STEPS_PER_SECOND, BlocksSimulation
 

@@ -22,15 +22,9 @@ _Floats = NDArray[np.float64]
 def ciede2000(one: ArrayLike, other: ArrayLike) -> _Floats:
     """Return the CIEDE2000 difference of colors given as CIE Lab, with all weights 1.
 
-    Parameters
-    ----------
-    one, other : (..., 3) array
-        Lab coordinates; the leading dimensions are broadcast.
+    Lab coordinates are (..., 3), and their leading dimensions are broadcast.
 
-    Returns
-    -------
-    (...) float64
-        At least 0; 1 is about what can just be seen. It is symmetric but not a metric.
+    The difference is at least 0; 1 is about what can just be seen. It is symmetric but not a metric.
 
     References
     ----------

@@ -16,17 +16,10 @@ from relforest.worlds.blocks.simulation import BlocksSimulation
 @final
 @dataclass(frozen=True, slots=True)
 class Command:
-    """An option with its arguments.
+    """An option with its arguments."""
 
-    Parameters
-    ----------
-    name : {"put", "rotate", "isolate", "move", "done"}
-    arguments : tuple of float
-        Ids of blocks; x in world units for the second argument of ``"move"``.
-    """
-
-    name: str
-    arguments: tuple[float, ...] = ()
+    name: str  # {"put", "rotate", "isolate", "move", "done"}
+    arguments: tuple[float, ...] = ()  # ids of blocks; x in world units for the second argument of ``"move"``
 
     def __str__(self) -> str:
         """Return the command as it is written, such as ``put(3, 1)`` or ``move(2, x = -16.7)``."""

@@ -291,17 +291,14 @@ class Engine:
     ) -> tuple[int, bool]:
         """Advance until all boxes are at rest, by at least one step.
 
+        Return the steps taken, and whether all boxes are at rest.
+
         Parameters
         ----------
         max_steps : int
             Stop after this many steps.
         speed, spin : float
             A box is at rest below both; ``math.inf`` to ignore one of them.
-
-        Returns
-        -------
-        tuple of int and bool
-            The steps taken, and whether all boxes are at rest.
         """
         taken = 0
         while taken < max_steps:
@@ -353,17 +350,14 @@ class Engine:
         In each step the springs aim at where their points would be if the centre were at the goal and the box
         kept its angle.
 
+        Return the steps taken (0 if nothing is held), and whether the end came before ``max_steps`` ran out.
+
         Parameters
         ----------
         goal : tuple of float
             Target of the centre.
         max_steps : int
             Stop after this many steps.
-
-        Returns
-        -------
-        tuple of int and bool
-            The steps taken (0 if nothing is held), and whether the end came before ``max_steps`` ran out.
 
         Raises
         ------

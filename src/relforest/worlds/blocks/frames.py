@@ -98,18 +98,9 @@ def block_things(
 ) -> tuple[Thing, ...]:
     """Return blocks as things on the stage.
 
-    Parameters
-    ----------
-    half_extents : (n, 2) float64
-        Half sides along the blocks' own x and y.
-    poses : (n, 3) float64
-        x, y of the centre, and the angle in radians, counter-clockwise.
-    colors : (n, 3) float64
-        Red, green and blue, from 0 to 1.
-    ids : sequence of n int, optional
-        What to write on the blocks.
-    command : Command, optional
-        The option whose blocks are framed.
+    Half extents (n, 2) are in the block's own frame, poses (n, 3) centre x and y and angle in radians, and
+    colors (n, 3) red, green and blue from 0 to 1. Ids are written on the blocks, and those of the command are
+    framed.
 
     Raises
     ------

@@ -36,15 +36,7 @@ class Forces(NamedTuple):
 
 
 def forces(point: tuple[float, float], half_extents: tuple[float, float]) -> Forces:
-    """Return how strongly a block is held at a point.
-
-    Parameters
-    ----------
-    point : tuple of float
-        Where it is grasped, in the block's own coordinates (origin at the centre, angle 0).
-    half_extents : tuple of float
-        Half the width and half the height of the block.
-    """
+    """Return how strongly a block is held at a point in its own coordinates (the origin is its centre)."""
     eccentricity = min(1.0, max(abs(point[0]) / half_extents[0], abs(point[1]) / half_extents[1]))
     support = SUPPORT_SHARE * (1 - eccentricity) ** SUPPORT_POWER
     main_percent = 100 / (1 + 2 * support)

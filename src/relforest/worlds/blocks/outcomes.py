@@ -67,14 +67,7 @@ def decided_scenes(
 ) -> tuple[Scenes, NDArray[np.bool_]]:
     """Draw trials until ``n`` are decided, and return their scenes and their labels, (n,).
 
-    Parameters
-    ----------
-    n : int
-        Number of scenes, 1 to 100 000.
-    draw : callable
-        Makes one trial.
-    parameters : tuple of str
-        Names of the arguments of the task.
+    A call of `draw` makes one trial; `parameters` are the names of the arguments of the task.
 
     Raises
     ------

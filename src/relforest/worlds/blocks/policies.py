@@ -66,11 +66,6 @@ class RandomPolicy:
 
     Types without an available action are left out.
 
-    Parameters
-    ----------
-    weights : tuple of float
-        One per action type, above 0; they need not sum to 1.
-
     Raises
     ------
     InputError
@@ -81,7 +76,7 @@ class RandomPolicy:
     Palmer (2015), section 7.4.1.
     """
 
-    weights: tuple[float, ...]
+    weights: tuple[float, ...]  # one per action type, above 0; they need not sum to 1
 
     def __post_init__(self) -> None:
         if not isinstance(self.weights, tuple):

@@ -37,14 +37,8 @@ def describe(
 ) -> NDArray[np.float64]:
     """Return blocks as objects of a scene, (n, 8) float64.
 
-    Parameters
-    ----------
-    half_extents : (n, 2) float64
-        Half of the width and of the height in the block's own frame.
-    poses : (n, 3) float64
-        Centre x and y, and angle in radians.
-    colors : (n, 3) float64
-        Red, green and blue from 0 to 1.
+    Half extents (n, 2) are in the block's own frame, poses (n, 3) centre x and y and angle in radians, and
+    colors (n, 3) red, green and blue from 0 to 1.
     """
     objects = np.empty((len(poses), SCHEMA.width))
     objects[:, _LOCATION] = np.minimum(np.maximum(poses[:, :2], -FARTHEST), FARTHEST)
@@ -60,15 +54,10 @@ def describe_state(state: BlocksState) -> NDArray[np.float64]:
 
 
 def virtual_objects(targets: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return objects that represent places to move a block to, (k, 8) float64.
+    """Return objects (k, 8) that represent horizontal places (k,) to move a block to.
 
     The source says that virtual objects have attributes that correspond to the parameters of an action, here
     x. They have the location (x, 0); everything else is undefined.
-
-    Parameters
-    ----------
-    targets : (k,) float64
-        Horizontal targets, world units.
 
     References
     ----------

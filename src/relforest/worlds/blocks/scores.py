@@ -29,24 +29,12 @@ _Floats = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class ColorDistance:
-    """A way to compare colors, with the thresholds of the score.
+    """A way to compare colors, with the thresholds of the score."""
 
-    Parameters
-    ----------
-    coordinates : callable
-        Maps RGB colors (n, 3) to the space that means are taken in.
-    difference : callable
-        Distances (...) between points (..., 3) of that space.
-    middle : float
-        Distance that scores 0.
-    most : float
-        Distance that scores -1, as all beyond it do.
-    """
-
-    coordinates: Callable[[_Floats], _Floats]
-    difference: Callable[[_Floats, _Floats], _Floats]
-    middle: float
-    most: float
+    coordinates: Callable[[_Floats], _Floats]  # maps RGB colors (n, 3) to the space that means are taken in
+    difference: Callable[[_Floats, _Floats], _Floats]  # distances (...) between points (..., 3) of that space
+    middle: float  # distance that scores 0
+    most: float  # distance that scores -1, as all beyond it do
 
 
 def _identity(colors: _Floats) -> _Floats:

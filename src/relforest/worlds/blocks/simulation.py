@@ -163,6 +163,8 @@ class BlocksSimulation:
     def drop(self, blocks: Sequence[Block], *, turned: bool = False) -> int:
         """Begin an episode: clear the table, drop blocks at random places, and wait until they rest.
 
+        Return the steps until rest, 10 to 500.
+
         Parameters
         ----------
         blocks : sequence of Block
@@ -170,11 +172,6 @@ class BlocksSimulation:
             apart.
         turned : bool
             Whether to draw random angles, as for the arch task, instead of 0.
-
-        Returns
-        -------
-        int
-            Steps until rest, 10 to 500.
 
         Raises
         ------
@@ -255,10 +252,7 @@ class BlocksSimulation:
     def carry(self, goal: tuple[float, float], max_steps: int = MAX_STAGE_STEPS) -> tuple[int, bool]:
         """Pull the held block until its centre rests at a goal (x, y), or give up after ``max_steps``.
 
-        Returns
-        -------
-        tuple of int and bool
-            The steps taken, and whether the block arrived in time or nothing is held.
+        Return the steps taken, and whether the block arrived in time or nothing is held.
         """
         return self._pass(at_least("max_steps", max_steps, 0), lambda steps: self._engine.carry(goal, steps))
 

@@ -12,23 +12,13 @@ from numpy.typing import NDArray
 
 
 def stacks(x: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the stack that each block belongs to, as the color score counts stacks.
+    """Return the stack of each block, (n,), by its first member, as the color score counts stacks.
 
     Two blocks are linked if the midpoint of one lies between the horizontal extrema of the other, whichever
     it is, whether or not they touch; stacks are what links connect. That links work both ways and heights do
     not matter is a reading of Palmer (2015), section 7.4.2.
 
-    Parameters
-    ----------
-    x : (n,) float64
-        Midpoints.
-    bounds : (n, 4) float64
-        Bounding boxes: min x, max x, min y, max y.
-
-    Returns
-    -------
-    (n,) int64
-        The first member of each block's stack.
+    Blocks have midpoints (n,) and bounding boxes (n, 4): min x, max x, min y, max y.
     """
     middles, intervals = x.tolist(), bounds[:, :2].tolist()
 

@@ -23,30 +23,18 @@ ON_TABLE: Final = 0.05
 class BlocksState:
     """The remaining blocks, in the order of their ids.
 
-    Parameters
-    ----------
-    ids : (n,) int64
-        Never reused.
-    half_extents : (n, 2) float64
-        Half of the width and of the height in the block's own frame, world units.
-    colors : (n, 3) float64
-        Red, green and blue from 0 to 1.
-    poses : (n, 3) float64
-        Centre x, centre y (0 = table top) and angle in radians.
-    touching : (n, n) bool
-        Which blocks are in contact; symmetric.
-
     Raises
     ------
     InputError
         If the shapes disagree.
     """
 
-    ids: NDArray[np.int64]
+    ids: NDArray[np.int64]  # (n,) never reused
     half_extents: NDArray[np.float64]
-    colors: NDArray[np.float64]
-    poses: NDArray[np.float64]
-    touching: NDArray[np.bool_]
+    """(n, 2): half of the width and of the height in the block's own frame, world units."""
+    colors: NDArray[np.float64]  # (n, 3) red, green and blue from 0 to 1
+    poses: NDArray[np.float64]  # (n, 3) centre x, centre y (0 = table top) and angle in radians
+    touching: NDArray[np.bool_]  # (n, n) which blocks are in contact; symmetric
 
     def __post_init__(self) -> None:
         n = len(self.ids)

@@ -73,42 +73,20 @@ BlockMaker = Callable[[np.random.Generator, int, int], tuple[Block, ...]]
 @final
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A task, apart from its number of blocks.
+    """A task, apart from its number of blocks."""
 
-    Parameters
-    ----------
-    name : str
-        Name on the command line.
-    action_types : tuple of ActionType
-    exploration : tuple of float
-        Probability of each action type under the random policy.
-    blocks : callable
-        Draws the blocks of an episode, given a generator, their number and the first id.
-    turned : bool
-        Whether blocks are dropped at random angles.
-    score_name : str
-        Name of the score in ``info``.
-    score : callable
-        Returns the score of a state.
-    pays : {"change", "done", "end"}
-        Whether the reward of every action is the change in the score (shaping), or only one is rewarded, with
-        the score: done, or the last of the episode.
-    sampler : Sampler, optional
-        Samples targets for moves.
-    most_blocks : int
-        The largest number of blocks.
-    """
-
-    name: str
+    name: str  # name on the command line
     action_types: tuple[ActionType, ...]
-    exploration: tuple[float, ...]
-    blocks: BlockMaker
-    turned: bool
-    score_name: str
-    score: Callable[[BlocksState], float]
+    exploration: tuple[float, ...]  # probability of each action type under the random policy
+    blocks: BlockMaker  # draws the blocks of an episode, given a generator, their number and the first id
+    turned: bool  # whether blocks are dropped at random angles
+    score_name: str  # name of the score in ``info``
+    score: Callable[[BlocksState], float]  # returns the score of a state
     pays: Literal["change", "done", "end"]
-    sampler: Sampler | None = None
-    most_blocks: int = MOST_BLOCKS
+    """Whether the reward of every action is the change in the score (shaping), or only one is rewarded, with
+    the score: done, or the last of the episode."""
+    sampler: Sampler | None = None  # samples targets for moves
+    most_blocks: int = MOST_BLOCKS  # the largest number of blocks
 
     def reward(self, action: str, before: float, after: float, *, is_last: bool) -> float:
         """Return the reward of an action, given the scores before and after it."""

@@ -22,11 +22,6 @@ _PUT: Final = HIGH_TOWERS_ACTIONS.index(PUT)
 class TowerPolicy:
     """Build a single stack, of the largest blocks first, or of the smallest first; never rotate.
 
-    Parameters
-    ----------
-    first : {"large", "small"}
-        Which block comes next.
-
     Raises
     ------
     InputError
@@ -44,7 +39,7 @@ class TowerPolicy:
     Palmer (2015), section 7.4.1.
     """
 
-    first: Literal["large", "small"]
+    first: Literal["large", "small"]  # which block comes next
 
     def __post_init__(self) -> None:
         one_of("first", self.first, ("large", "small"))

@@ -1,4 +1,4 @@
-from .actions import ACTION_TYPES, LEFT, RIGHT
+from .dynamics import ACTION_TYPES, LEFT, RIGHT
 from .policies import OptimalPolicy, RandomPolicy
 from .scene import SCHEMA
 from .state import CorridorState

@@ -1,62 +1,66 @@
-"""How the agent moves: a step of fixed mean length, Gaussian noise, and walls at both ends.
+"""The two actions, the motion and the reward of the corridor (Palmer (2015), section 7.3.1).
 
-Letters: n agents that move at the same time. Both numbers and (n,) arrays are accepted, so that batches of
-episodes can be simulated at once.
+A step has a fixed mean length and Gaussian noise, and there are walls at both ends. Numbers and (n,) arrays
+are accepted, for n agents that move at the same time.
 """
 
 from __future__ import annotations
 
-from typing import Final, overload
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from relforest.smdp import ActionType
+
+Numbers = TypeVar("Numbers", float, NDArray[np.float64])
+
+LEFT: Final = 0
+RIGHT: Final = 1
+
+ACTION_TYPES: Final = (ActionType("left"), ActionType("right"))
+"""Neither has a parameter."""
+
+DIRECTIONS: Final = (-1.0, 1.0)
+"""Sign of the mean displacement of each action type."""
+
 STEP_LENGTH: Final = 0.1
-"""Mean length of a step, in corridor lengths (Palmer (2015), section 7.3.1)."""
+"""Mean length of a step, in corridor lengths."""
 
 NOISE: Final = 0.05
-"""Standard deviation of the displacement, in corridor lengths (Palmer (2015), section 7.3.1)."""
+"""Standard deviation of the displacement, in corridor lengths."""
+
+WINDOW: Final = 0.1
+"""Width of the rewarded zone at each edge, in corridor lengths."""
 
 
-@overload
-def next_location(x: float, direction: float, disturbance: float, *, step_length: float = ...) -> float: ...
-@overload
 def next_location(
-    x: NDArray[np.float64],
-    direction: NDArray[np.float64],
-    disturbance: NDArray[np.float64],
-    *,
-    step_length: float = ...,
-) -> NDArray[np.float64]: ...
-def next_location(
-    x: float | NDArray[np.float64],
-    direction: float | NDArray[np.float64],
-    disturbance: float | NDArray[np.float64],
-    *,
-    step_length: float = STEP_LENGTH,
-) -> float | NDArray[np.float64]:
-    """Move the agent one step.
+    x: Numbers, direction: Numbers, disturbance: Numbers, *, step_length: float = STEP_LENGTH
+) -> Numbers:
+    """Move the agent one step, and return its location after it, 0 to 1.
 
     Parameters
     ----------
     x : float or (n,) float64
         Location before the step, 0 to 1.
     direction : float or (n,) float64
-        -1 = left, +1 = right (`DIRECTIONS` of the actions).
+        One of `DIRECTIONS`.
     disturbance : float or (n,) float64
         Displacement by noise, in corridor lengths; the caller draws it from N(0, `NOISE`).
     step_length : float
         Mean length of a step, in corridor lengths.
 
-    Returns
-    -------
-    float or (n,) float64
-        Location after the step, 0 to 1.
-
     Notes
     -----
-    Palmer (2015), section 7.3.1 does not specify what happens at the ends. Here the agent stops at the wall;
-    the best policy then earns 8.69 per episode, and the source reports about 8.68.
+    The source does not specify what happens at the ends. Here the agent stops at the wall; the best policy
+    then earns 8.69 per episode, and the source reports about 8.68.
     """
     free = x + direction * step_length + disturbance
-    return np.minimum(np.maximum(free, 0.0), 1.0)
+    stopped: Numbers = np.minimum(np.maximum(free, 0.0), 1.0)
+    return stopped
+
+
+def reward(x: Numbers, *, window: float = WINDOW) -> Numbers:
+    """Return 1 where a step ended (0 to 1) in the window at an edge, boundary included, else 0."""
+    inside = (x <= window) | (x >= 1.0 - window)
+    return inside.astype(np.float64) if isinstance(inside, np.ndarray) else float(inside)

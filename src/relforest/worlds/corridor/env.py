@@ -15,11 +15,17 @@ from relforest.playing.shapes import Words
 from relforest.smdp import Decision
 from relforest.support.options import between, in_range
 from relforest.worlds.arguments import RENDER_MODES
-from relforest.worlds.corridor.actions import ACTION_TYPES, DIRECTIONS
-from relforest.worlds.corridor.dynamics import NOISE, STEP_LENGTH, next_location
+from relforest.worlds.corridor.dynamics import (
+    ACTION_TYPES,
+    DIRECTIONS,
+    NOISE,
+    STEP_LENGTH,
+    WINDOW,
+    next_location,
+    reward,
+)
 from relforest.worlds.corridor.frames import corridor_frame, corridor_stage
 from relforest.worlds.corridor.policies import OptimalPolicy, RandomPolicy
-from relforest.worlds.corridor.reward import WINDOW, reward
 from relforest.worlds.corridor.scene import SCHEMA, decision, scene
 from relforest.worlds.corridor.state import CorridorState, initial_state
 from relforest.worlds.environment import Arrays, Info, Policies, Step, WorldEnv

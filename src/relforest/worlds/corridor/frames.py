@@ -7,7 +7,7 @@ from typing import Final
 
 from relforest.playing.frames import Frame, Stage, Thing
 from relforest.playing.shapes import Circle, Line, Point, Polygon, Shape
-from relforest.worlds.corridor.reward import reward
+from relforest.worlds.corridor.dynamics import reward
 from relforest.worlds.corridor.state import CorridorState
 
 COLORS: Final = {

@@ -12,7 +12,7 @@ from typing import Final, final
 import numpy as np
 
 from relforest.smdp import Decision
-from relforest.worlds.corridor.actions import LEFT, RIGHT
+from relforest.worlds.corridor.dynamics import LEFT, RIGHT
 
 MIDDLE: Final = 0.5
 

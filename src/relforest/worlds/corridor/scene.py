@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from relforest.scenes import Attribute, Scenes, Schema
 from relforest.smdp import Decision
-from relforest.worlds.corridor.actions import ACTION_TYPES
+from relforest.worlds.corridor.dynamics import ACTION_TYPES
 from relforest.worlds.corridor.state import CorridorState
 
 SCHEMA: Final = Schema((Attribute("location", 1),))

@@ -36,13 +36,7 @@ def hand_coded(variables: NDArray[np.float64], keepers: int, takers: int) -> int
 
     Hold while no taker is within 5 m of K1. Otherwise hold scores 90, and a pass four times the
     receiver's distance to its nearest taker plus the free angle to it; the first of the highest scores wins.
-
-    Parameters
-    ----------
-    variables : (n_variables,) float64
-        State variables, see `relforest.worlds.keepaway.decisions.variables`.
-    keepers, takers : int
-        Numbers of players.
+    The state variables are those of `relforest.worlds.keepaway.decisions.variables`.
     """
     if variables[keepers] > CALM + TIE:
         return 0

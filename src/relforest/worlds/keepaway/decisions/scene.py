@@ -42,12 +42,8 @@ _COLUMNS: Final = {name: SCHEMA.columns(name) for name in SCHEMA.names}
 def describe(players: NDArray[np.float64], out: NDArray[np.float64]) -> None:
     """Write location and orientation of the players to their columns of `out`.
 
-    Parameters
-    ----------
-    players : (n, 5) float64
-        x, y, vx, vy in metres and metres per cycle, body direction in degrees.
-    out : (n, 6) float64
-        Objects of a scene; the columns of the color are left alone.
+    Players (n, 5) are x, y, vx, vy in metres and metres per cycle, and body direction in degrees; the columns
+    of the color of objects (n, 6) are left alone.
     """
     for i in range(len(players)):
         out[i, 0] = players[i, X]

@@ -110,10 +110,7 @@ def dash_power(forward: float, velocity: float, cycles: int) -> float:
 def turn_towards(x: float, y: float, speed: float) -> tuple[float, float, bool]:
     """Turn towards a point of the body frame in one cycle, as far as the speed allows.
 
-    Returns
-    -------
-    tuple
-        Cosine and sine of the turn, and whether the player faces the point then.
+    Return cosine and sine of the turn, and whether the player faces the point then.
     """
     distance = math.sqrt(x * x + y * y)
     if distance == 0.0:
@@ -166,10 +163,7 @@ def steer(pursuit: Pursuit, cycles: int, back: float) -> tuple[bool, float, floa
 def after_turn(pursuit: Pursuit, x: float, y: float) -> tuple[Pursuit, float, float]:
     """Turn towards a point of the body frame and roll for one cycle.
 
-    Returns
-    -------
-    tuple
-        The pursuit in the new body frame, cosine and sine of the turn.
+    Return the pursuit in the new body frame, and cosine and sine of the turn.
     """
     tx, ty, vx, vy = pursuit
     speed = math.sqrt(vx * vx + vy * vy)

@@ -6,44 +6,50 @@ from typing import Final
 
 import numpy as np
 
-from relforest.explaining.moves import location_of
 from relforest.playing.frames import Frame, Stage, Thing
 from relforest.playing.shapes import Circle, Line, Polygon, Shape, Text
+from relforest.reports.style import SERIES
 from relforest.scenes import Scenes, Schema
 from relforest.scenes.arrays import FloatArray
 from relforest.scenes.ids import plain
-from relforest.support.errors import InputError
 from relforest.worlds.blocks.scene import SCHEMA as BLOCKS
 
 _RADIUS: Final = 0.016
 _PIXELS: Final = 640
-# Okabe and Ito's palette; categories beyond its end begin anew.
-_CATEGORIES: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 
-def plane_of(schema: Schema) -> str:
-    """Return the name of the two-dimensional location by which scenes are drawn.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
-    found = location_of(schema)
-    if found.dim != 2:
-        raise InputError(f"{found.name} has {found.dim} dimensions: only scenes in the plane are drawn")
-    return found.name
+def plane_of(schema: Schema) -> list[int]:
+    """Return up to two columns to be drawn: those of the location, or else the first numbers."""
+    numbers = [each for each in schema.attributes if each.kind == "euclidean"]
+    chosen = [each for each in numbers if each.role == "location"][:1] or numbers
+    return [at for each in chosen for at in range(schema.width)[schema.columns(each.name)]][:2]
 
 
-def stage_of(scene: Scenes, region: FloatArray) -> Stage:
-    """Return the stage for a single scene and a region (2, 2) in which its objects are moved."""
+def places_of(scenes: Scenes) -> FloatArray:
+    """Return where each object is drawn, (n_objects, 2); a coordinate that does not exist is 0."""
+    columns, places = plane_of(scenes.schema), np.zeros((len(scenes.matrix), 2))
+    places[:, : len(columns)] = scenes.matrix[:, columns]
+    return places
+
+
+def window_of(scenes: Scenes) -> FloatArray:
+    """Return the square region (2, 2) of all objects, and a tenth more."""
+    places = places_of(scenes)
+    known = places[~np.isnan(places).any(axis=1)]
+    known = known if len(known) else np.zeros((1, 2))
+    low, high = known.min(axis=0), known.max(axis=0)
+    half = 0.55 * max(float((high - low).max()), 1e-9)
+    return np.stack([(low + high) / 2 - half, (low + high) / 2 + half])
+
+
+def stage_of(scene: Scenes, region: FloatArray, pixels: int = _PIXELS) -> Stage:
+    """Return the stage for a single scene and a region (2, 2) that is to be seen."""
     low, high = region
     if scene.schema.attributes == BLOCKS.attributes:
-        blocks = scene.matrix[scene.objects(0)]
-        places = blocks[:, scene.schema.columns("location")]
+        blocks, places = scene.matrix[scene.objects(0)], places_of(scene)[scene.objects(0)]
         reach = np.linalg.norm(blocks[:, scene.schema.columns("extent")], axis=1, keepdims=True)
         low, high = np.nanmin([low, *(places - reach)], axis=0), np.nanmax([high, *(places + reach)], axis=0)
-    return Stage((float(low[0]), float(high[0]), float(low[1]), float(high[1])), pixels=_PIXELS)
+    return Stage((float(low[0]), float(high[0]), float(low[1]), float(high[1])), pixels=pixels)
 
 
 def frame_of(scene: Scenes, region: FloatArray) -> Frame:
@@ -52,16 +58,13 @@ def frame_of(scene: Scenes, region: FloatArray) -> Frame:
     Objects have their color, or one for the first category that they have, and the blocks of the blocks world
     their shape. Arguments have their names, other objects their ids. Objects without a place are left out.
     """
-    schema = scene.schema
-    columns, span = schema.columns(plane_of(schema)), float((region[1] - region[0]).max())
+    schema, places, span = scene.schema, places_of(scene), float((region[1] - region[0]).max())
     named = {int(row): name for name, row in zip(schema.parameters, scene.arguments[0], strict=True)}
     things = []
     for row in scene.objects(0).tolist():
-        values = scene.matrix[row]
-        place = values[columns]
-        if np.isnan(place).any():
+        if np.isnan(places[row]).any():
             continue
-        shapes = [_body(schema, values, _RADIUS * span)]
+        body = _body(schema, scene.matrix[row], _RADIUS * span)
         name = named.get(row, str(plain(scene.object_ids[row])))
         size = 0.026 * span
         words = Text(
@@ -72,7 +75,7 @@ def frame_of(scene: Scenes, region: FloatArray) -> Frame:
             "paper",
             bold=row in named,
         )
-        things.append(Thing(str(row), (*shapes, words), float(place[0]), float(place[1])))
+        things.append(Thing(str(row), (body, words), *places[row].tolist()))
     return Frame(0.0, tuple(things))
 
 
@@ -106,5 +109,5 @@ def _color(schema: Schema, values: FloatArray) -> str:
         if attribute.role == "color" and attribute.dim == 3 and (own >= 0.0).all() and (own <= 1.0).all():
             return "#" + "".join(f"{round(255 * part):02x}" for part in own.tolist())
         if attribute.kind == "category":
-            return _CATEGORIES[int(own[0]) % len(_CATEGORIES)]
+            return SERIES[int(own[0]) % len(SERIES)].lower()
     return "grey"
