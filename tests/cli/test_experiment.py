@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -101,3 +102,33 @@ def test_bad_options_are_one_clear_line(
     assert outcome.code == 2
     assert complaint in outcome.err
     assert asked == {}
+
+
+def test_sizes_reach_the_study(run: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+
+    def run_study(study: Any, _out: Path, **_others: Any) -> Findings:
+        asked.extend(study.settings)
+        return Findings("")
+
+    monkeypatch.setattr(runner, "run_study", run_study)
+    assert run("experiment", "corridor", "--runs", "2", "--iterations", "3", "--episodes", "7").code == 0
+    assert {(setting.runs, setting.iterations, setting.episodes) for setting in asked} == {(2, 3, 7)}
+    assert len(asked) == 8
+
+
+def test_a_study_without_runs_refuses_to_change_them(run: CommandLine, asked: dict[str, Any]) -> None:
+    outcome = run("experiment", "concepts", "--runs", "3")
+
+    assert outcome.code == 1
+    assert "the number of runs of the study concepts cannot be chosen: omit it" in outcome.err
+    assert not asked
+
+
+def test_an_address_where_nobody_answers_is_an_error(run: CommandLine, asked: dict[str, Any]) -> None:
+    missing, silent = "'distributed', which is not installed", "no Dask scheduler answers at 'nowhere'"
+    outcome = run("experiment", "corridor", "--dask", "nowhere")
+
+    assert outcome.code == 1
+    assert (silent if find_spec("distributed") else missing) in outcome.err
+    assert not asked

@@ -52,7 +52,8 @@ def write_study(folder: Path, done: int) -> None:
     write_json(folder / "study.json", {"format": "relforest-study", "version": 1, **content})
     for number in range(done):
         row = {"task": "color-grouping", "condition": "manual", "run": number, "played": "color-grouping"}
-        rows = [row | {"episodes": 0, "reward": 0.5 + number, "paid": 0.9}]
+        row |= {"episodes": 0, "reward": 0.5 + number, "train": None, "leaves": None, "paid": 0.9}
+        rows = [row]
         document = {"format": "relforest-study-rows", "version": 1, "setting": settings[number], "rows": rows}
         write_json(folder / "settings" / f"{number:04d}.json", document)
 
@@ -61,8 +62,9 @@ def test_an_unfinished_study_says_what_it_leaves_out(tmp_path: Path) -> None:
     write_study(tmp_path, done=3)
     section = section_of(tmp_path)
     assert section.heading == "color-learning"
-    assert section.lead[1].startswith("Seed 3, 3 of 30 settings. The others have not been computed")
-    (sheet,) = (part for part in section.parts if isinstance(part, Sheet))
+    assert section.lead[1].startswith("Seed 3, 3 of 60 settings. The others have not been computed")
+    said, sheet = (part for part in section.parts if isinstance(part, Sheet))
+    assert {row[-1] for row in said.rows} == {"not run"}
     assert sheet.rows[0][:4] == ("manual", 0, 3, 1.5)
     assert [claim.verdict for claim in section.claims] == ["not claimed"]
 

@@ -14,7 +14,7 @@ from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runner import run_study
 from relforest.experiments.runs import RunInFolder
 from relforest.experiments.sheets import Sheet
-from relforest.experiments.study import Context, Study, Unavailable
+from relforest.experiments.study import Context, Study, Unavailable, repeated, resized
 from relforest.experiments.table import Row, Table
 from relforest.rl.fitted.settings import Source
 from relforest.runs.store import read_checkpoint
@@ -273,3 +273,60 @@ def test_runs_are_learned_after_those_that_they_begin_with(tmp_path: Path) -> No
     begun, source = (read_checkpoint(tmp_path / "runs" / name) for name in ("0", "1"))
     assert begun.configuration["from"] == str(tmp_path / "runs" / "1")
     assert begun.iteration == source.iteration == 1
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A throw by one of some players."""
+
+    count: int
+    run: int = 0
+    runs: int = 2
+
+    def __str__(self) -> str:
+        return f"{self.count} throws, player {self.run}"
+
+
+SIZED = Study(
+    "turns",
+    "Who wins?",
+    tuple(Turn(count, run) for count in (2, 3) for run in range(2)),
+    (Turn(1, 0, 1),),
+    throw,  # type: ignore[arg-type]  # a turn has a count too
+    summarize,
+    sizes={"runs": repeated, "throws": lambda setting, number: (replace(setting, count=number),)},
+)
+
+
+def test_a_study_is_made_larger_and_smaller() -> None:
+    larger = resized(SIZED, {"runs": 3, "throws": 5})
+    assert larger.settings == tuple(Turn(5, run, 3) for _ in range(2) for run in range(3))
+    assert larger.smoke == tuple(Turn(5, run, 3) for run in range(3))
+    assert resized(SIZED, {}) is SIZED
+
+
+@pytest.mark.parametrize(
+    ("sizes", "complaint"),
+    [
+        ({"runs": 0}, "runs must be an integer of at least 1, got 0"),
+        (
+            {"games": 3},
+            "the number of games of the study turns cannot be chosen, only its runs and throws: omit it",
+        ),
+    ],
+)
+def test_sizes_must_exist_and_be_positive(sizes: dict[str, int], complaint: str) -> None:
+    with pytest.raises(InputError, match=complaint):
+        resized(SIZED, sizes)
+
+
+def test_a_study_of_one_size_says_so() -> None:
+    with pytest.raises(InputError, match="the number of runs of the study dice cannot be chosen: omit it"):
+        resized(STUDY, {"runs": 3})
+
+
+def test_another_size_needs_another_folder(tmp_path: Path) -> None:
+    run_study(resized(SIZED, {"throws": 1}), tmp_path)
+    with pytest.raises(RunFolderError, match=r"settings\[0\]\.runs \(2 there, 3 here\); choose another"):
+        run_study(resized(SIZED, {"throws": 1, "runs": 3}), tmp_path)

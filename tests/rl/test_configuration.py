@@ -47,6 +47,15 @@ def test_the_options_of_an_environment_belong_to_the_configuration() -> None:
     assert differences(one, other) == ["world.options.noise (0.05 there, 0.1 here)"]
 
 
+def test_the_first_difference_of_two_lists_is_named() -> None:
+    there = [{"run": 0, "runs": 2}, {"run": 1, "runs": 2}]
+    here = [{"run": 0, "runs": 3}, {"run": 1, "runs": 3}, {"run": 2, "runs": 3}]
+    assert differences({"settings": there}, {"settings": here}) == ["settings[0].runs (2 there, 3 here)"]
+    assert differences([1, 2], [1, 2, 3], "sizes") == ["sizes (2 there, 3 here)"]
+    assert differences([1, 2], [1, 2], "sizes") == []
+    assert differences([1, 2], None, "sizes") == ["sizes ([1, 2] there, None here)"]
+
+
 @pytest.mark.parametrize(
     "document",
     [

@@ -15,6 +15,7 @@ from relforest.cli.early_checks import unknown
 from relforest.cli.progress import note, working
 
 _CHOICE: Final = arg(metavar="NAME[,NAME...]", help_behavior_hint="(default: all)")
+_SIZE: Final = arg(metavar="N", help_behavior_hint="(default: as in the README of the study)")
 
 
 @final
@@ -30,6 +31,7 @@ class ExperimentOptions:
       relforest experiment mil --smoke
       relforest experiment concepts --jobs 2 --out runs/concepts
       relforest experiment mil --methods covagg,dd --datasets musk1
+      relforest experiment corridor --runs 10 --dask tcp://10.0.0.5:8786
 
     Parameters
     ----------
@@ -47,6 +49,15 @@ class ExperimentOptions:
         Only these methods or variants, in studies that compare some.
     datasets
         Only these data sets, in studies that use some. The rest may be computed later.
+    runs
+        Runs of each learner, in studies of learning. Results of another size need another folder.
+    iterations
+        Iterations of each run, in studies of learning.
+    episodes
+        Training episodes per iteration, in studies of learning.
+    dask
+        Address of a Dask scheduler, whose workers compute instead of processes on this machine; they need
+        the same versions of relforest and its dependencies. Files are only written here.
     """
 
     name: Annotated[Positional[str], arg(metavar="[NAME]", help_behavior_hint="(default: list them)")] = ""
@@ -58,6 +69,10 @@ class ExperimentOptions:
     ] = None
     methods: Annotated[tuple[str, ...], _CHOICE] = ()
     datasets: Annotated[tuple[str, ...], _CHOICE] = ()
+    runs: Annotated[int | None, _SIZE] = None
+    iterations: Annotated[int | None, _SIZE] = None
+    episodes: Annotated[int | None, _SIZE] = None
+    dask: Annotated[str | None, arg(metavar="ADDRESS", help_behavior_hint="(default: this machine)")] = None
 
 
 def experiment(options: ExperimentOptions) -> int:
@@ -74,19 +89,24 @@ def experiment(options: ExperimentOptions) -> int:
 
     from rich.console import Console
 
+    from relforest.experiments.cluster import on_cluster
     from relforest.experiments.runner import run_study
+    from relforest.experiments.study import resized
 
-    study = STUDIES[options.name]
+    sizes = {"runs": options.runs, "iterations": options.iterations, "episodes": options.episodes}
+    study = resized(
+        STUDIES[options.name], {name: number for name, number in sizes.items() if number is not None}
+    )
     default = f"{options.name}-smoke" if options.smoke else options.name
     out = Path("runs") / default if options.out is None else options.out
     console = Console(stderr=True)
     note(f"{study.name}: {study.question} Results go to {out}.", console)
-    with working(study.name, console):
+    with working(study.name, console), on_cluster(options.dask, options.jobs) as jobs:
         findings = run_study(
             study,
             out,
             seed=options.seed,
-            n_jobs=options.jobs,
+            n_jobs=jobs,
             smoke=options.smoke,
             only={"methods": _names(options.methods), "datasets": _names(options.datasets)},
             on_progress=lambda line: note(line, console),

@@ -48,8 +48,9 @@ class LearnOptions:
     task
         What to learn: corridor, keepaway (3 against 2 on 20 m by 20 m), keepaway-25 (on 25 m by 25 m),
         keepaway-4v3 (on 25 m by 25 m), keepaway-5v4 (on 30 m by 30 m), keepaway-6v5 (on 35 m by 35 m),
-        high-towers or color-grouping (5 blocks), or arch (3 blocks; a trainer that errs on purpose shows
-        arches, and a search looks for places).
+        high-towers, color-grouping or color-grouping-rgb (5 blocks; colors differ as people see it, or by
+        red, green and blue), or arch (3 blocks; a trainer that errs on purpose shows arches, and a search
+        looks for places).
     method
         Learner: smrf-rpi, smrf-q or, for keepaway, cmac-sarsa (each keeper learns alone, as in the
         benchmark), cmac-sarsa-shared (all learn from everyone's experience), rbf-sarsa (radial basis
@@ -93,6 +94,7 @@ class LearnOptions:
                 "keepaway-6v5",
                 "high-towers",
                 "color-grouping",
+                "color-grouping-rgb",
                 "arch",
             ]
         ],

@@ -1,9 +1,9 @@
 """Runs a study: settings in parallel, saving the rows of each as soon as it is done, then the summary.
 
-Settings are computed by worker processes, which return rows; only this process writes. A study's folder holds
-``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting), and, derived from
-them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the whole study: settings
-that are not chosen may be computed later in the same folder.
+Settings are computed by worker processes, here or elsewhere, which return rows; only this process writes. A
+study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting),
+and, derived from them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the
+whole study: settings that are not chosen may be computed later in the same folder.
 """
 
 from __future__ import annotations
@@ -25,15 +25,24 @@ from relforest.reports.figure_files import save_figure
 from relforest.runs.manifest import VERSION, Manifest, checked_folder, held
 from relforest.support.documents import well_formed
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
-from relforest.support.files import read_json, remove_temporary_files, write_json, write_text
+from relforest.support.files import (
+    read_input,
+    read_json,
+    remove_temporary_files,
+    write_bytes,
+    write_json,
+    write_text,
+)
 from relforest.support.options import at_least
-from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
+from relforest.support.parallel import checked_jobs, may_leave_machine, one_blas_thread, run_tasks
 from relforest.support.progress import part, report
 
 S = TypeVar("S", bound=Setting)
 
 STUDY: Final = "study.json"
 _SETTINGS: Final = "settings"
+# Of the files of a run, these are large, and no policy needs them.
+_EXPERIENCE: Final = "experience"
 _STUDY_FORMAT: Final = "relforest-study"
 _ROWS_FORMAT: Final = "relforest-study-rows"
 _ROWS_VERSION: Final = 1
@@ -161,7 +170,7 @@ def _compute(
             for is_later in (False, True):
                 wave = [run for run in runs if (run.source in folders) == is_later]
                 learn_in_folders(wave, n_jobs=n_jobs)
-    elif study.compiles and n_jobs != 1 and len(left) > 1:
+    elif study.compiles and n_jobs != 1 and len(left) > 1 and not may_leave_machine():
         _warm_up(study)
 
     done = count(len(files) - len(left) + 1)
@@ -174,7 +183,10 @@ def _compute(
 
     run_tasks(
         _rows_of,
-        [(study.compute, chosen[context], context) for context in left],
+        [
+            (study.compute, chosen[context], context, _sent(study, chosen[context], context))
+            for context in left
+        ],
         n_jobs=n_jobs,
         prefer="processes",
         then=save,
@@ -215,8 +227,23 @@ def _warm_up(study: Study[S]) -> None:
         study.compute(study.smoke[0], Context(0, 0, Path(folder)))
 
 
-def _rows_of(compute: Callable[[S, Context], list[Row]], setting: S, context: Context) -> list[Row]:
-    with part(str(setting)):
+def _sent(study: Study[S], setting: S, context: Context) -> Mapping[str, bytes] | None:
+    """Return the files of the run of a setting, for a worker that may not have them; None where all do."""
+    run = None if study.learned is None or not may_leave_machine() else study.learned(setting, context)
+    if run is None:
+        return None
+    files = (path for path in run.folder.rglob("*") if path.is_file() and path.parent.name != _EXPERIENCE)
+    return {path.relative_to(context.folder).as_posix(): read_input(path) for path in files}
+
+
+def _rows_of(
+    compute: Callable[[S, Context], list[Row]], setting: S, context: Context, sent: Mapping[str, bytes] | None
+) -> list[Row]:
+    with part(str(setting)), TemporaryDirectory() as folder:
+        if sent is not None:
+            context = replace(context, folder=Path(folder))
+            for name, data in sent.items():
+                write_bytes(context.folder / name, data)
         return compute(setting, context)
 
 

@@ -20,7 +20,7 @@ from relforest.experiments.run_pictures import draw_runs
 from relforest.runs.learner import Row, Run, Seconds, advance
 from relforest.runs.manifest import checked_folder, held
 from relforest.runs.store import RunStore, iterations_of
-from relforest.support.parallel import checked_jobs, one_blas_thread, run_tasks
+from relforest.support.parallel import checked_jobs, may_leave_machine, one_blas_thread, run_tasks
 from relforest.support.progress import part
 
 OnIteration: TypeAlias = Callable[[int, Row, Seconds], None]
@@ -111,15 +111,19 @@ def learn_in_folders(
     left: list[tuple[RunInFolder, RunStore[Any]]] = []
     progress: list[Run[Any] | None] = []
     for run in runs:
-        store = RunStore(run.folder, run.config.learner(run.number))
+        learner = run.config.learner(run.number)
+        store = RunStore(run.folder, learner)
         # Finished runs are restored too, but not kept in memory.
         before = store.resume()
+        if before is None and run.source is not None:
+            # A worker on another machine does not have the run that this one begins with.
+            before = Run(learner.start(), ())
         if before is None or before.iteration < run.config.iterations:
             left.append((run, store))
             progress.append(before)
     # Of a single run, candidate trees are learned at the same time.
     n_threads = n_jobs if len(left) == 1 else 1
-    if n_jobs != 1 and len(left) > 1:
+    if n_jobs != 1 and len(left) > 1 and not may_leave_machine():
         warm_up(left[0][0].config)
 
     def commit(task: int, result: tuple[Run[Any], Seconds]) -> _Task | None:

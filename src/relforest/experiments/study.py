@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import Field, dataclass, field
+from dataclasses import Field, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, final
 
@@ -14,7 +14,7 @@ from relforest.experiments.claims import Findings
 from relforest.experiments.runs import RunInFolder
 from relforest.experiments.table import Row, Table
 from relforest.support.errors import InputError
-from relforest.support.options import one_of
+from relforest.support.options import at_least, one_of
 from relforest.support.rng import seed_sequence, stream
 
 
@@ -101,6 +101,9 @@ class Study(Generic[S]):
     choices : mapping of str to callable
         How settings are chosen: for each option of the command line, such as ``"methods"``, a function that
         returns the value of a setting.
+    sizes : mapping of str to callable
+        How the study is made larger or smaller: for each option of the command line, such as ``"runs"``, a
+        function that turns a setting and the number into the settings that take its place.
     unavailable : callable, optional
         Returns those of the given settings that cannot be computed here, each with the reason.
     learned : callable, optional
@@ -118,8 +121,47 @@ class Study(Generic[S]):
     figures: Callable[[Table], Mapping[str, Figure]] = lambda _table: {}
     compiles: bool = True
     choices: Mapping[str, Callable[[S], str]] = field(default_factory=dict)
+    sizes: Mapping[str, Callable[[S, int], tuple[S, ...]]] = field(default_factory=dict)
     unavailable: Callable[[Sequence[S]], Mapping[S, Unavailable]] | None = None
     learned: Callable[[S, Context], RunInFolder | None] | None = None
+
+
+def resized(study: Study[S], sizes: Mapping[str, int]) -> Study[S]:
+    """Return a study with other numbers of runs and the like; it needs a folder of its own.
+
+    Parameters
+    ----------
+    study : Study
+    sizes : mapping of str to int
+        Numbers by option, at least 1.
+
+    Raises
+    ------
+    InputError
+        If the study does not offer a size, or a number is too small.
+    """
+    for name, number in sizes.items():
+        if name not in study.sizes:
+            instead = f", only its {' and '.join(study.sizes)}" if study.sizes else ""
+            raise InputError(
+                f"the number of {name} of the study {study.name} cannot be chosen{instead}: omit it"
+            )
+        at_least(name, number, 1)
+        change = study.sizes[name]
+        settings, smoke = (
+            tuple(new for setting in old for new in change(setting, number))
+            for old in (study.settings, study.smoke)
+        )
+        study = replace(study, settings=settings, smoke=smoke)
+    return study
+
+
+def repeated(setting: S, number: int) -> tuple[S, ...]:
+    """Return that many runs in place of the first run of a condition, and none in place of the others."""
+    plain: dict[str, Any] = {name: getattr(setting, name) for name in setting.__dataclass_fields__}
+    if plain["run"]:
+        return ()
+    return tuple(type(setting)(**{**plain, "run": run, "runs": number}) for run in range(number))
 
 
 def chosen_settings(study: Study[S], settings: Sequence[S], only: Mapping[str, Sequence[str]]) -> list[int]:

@@ -178,6 +178,12 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
             Task("high-towers", "high-towers", explorers=("random", "random")),
             Task("color-grouping", "color-grouping", explorers=("random", "random")),
             Task(
+                "color-grouping-rgb",
+                "color-grouping",
+                options={"distance": "rgb"},
+                explorers=("random", "random"),
+            ),
+            Task(
                 "arch",
                 "arch",
                 # An arch counts in tests when it stands at the end, even if nothing was left to say so.

@@ -33,11 +33,11 @@ _MARGIN: Final = 0.25
 _TEXT: Final = 8.0
 _LINES: Final = 4
 _HEAD: Final = 0.75
-_COLORS: Final = (
-    "Colors: what is added (blue) or lost (orange) if the ringed object is there; "
-    "inside the dark line the condition is true. "
+_SIGNS: Final = "Star: the scene on the left; dots: other actions that were taken"
+_OF_SUMS: Final = (
+    "Colors, line: what its curve adds (blue) or takes (orange) if the ringed object is there; "
+    f"inside the dark line the condition is true.\n{_SIGNS}, with what trees add."
 )
-_SIGNS: Final = "Star: the scene on the left; dots: other actions that were taken."
 _GRID: Final = 120
 _MOST_POINTS: Final = 400
 # Of the distances, the scene that is drawn is at this quantile: it is nearly so.
@@ -79,7 +79,7 @@ def policy_figure(
     text = max(map(len, told)) * line_height(_TEXT) + 0.05
     rows, cell = math.ceil(len(found) / _COLUMNS), text + _SIDE + _GAP
     width, height = _COLUMNS * _CELL + _MARGIN, _HEAD + rows * cell
-    legend = _COLORS + _SIGNS if isinstance(value.learned, Sum) else _SIGNS
+    legend = _OF_SUMS if isinstance(value.learned, Sum) else f"{_SIGNS}."
     with styled():
         figure = Figure(figsize=(width, height))
         figure.text(_MARGIN / width, 1.0 - 0.12 / height, title, va="top", weight="bold", parse_math=False)

@@ -97,7 +97,8 @@ class Run(Generic[State]):
     state : object
         What the learner knows.
     metrics : tuple of dict
-        A row per iteration, with the keys `METRIC_NAMES`; row 0 = before learning.
+        A row per iteration, with the keys `METRIC_NAMES`; row 0 = before learning. None yet if even that has
+        not been measured.
     """
 
     state: State
@@ -105,7 +106,7 @@ class Run(Generic[State]):
 
     @property
     def iteration(self) -> int:
-        """Number of the last iteration."""
+        """Number of the last iteration; -1 before the state before learning is measured."""
         return len(self.metrics) - 1
 
 
@@ -118,11 +119,12 @@ def advance(learner: Learner[State], run: Run[State] | None) -> tuple[Run[State]
     run : Run or None
         None takes the state before learning, and measures it.
     """
-    number = 0 if run is None else run.iteration + 1
     begin = perf_counter()
+    run = Run(learner.start(), ()) if run is None else run
+    number = run.iteration + 1
     with part(f"iteration {number}"):
-        state = learner.start() if run is None else learner.iterate(run.state, number)
+        state = learner.iterate(run.state, number) if number else run.state
         learned = perf_counter()
         row = {"iteration": number, **learner.evaluate(state, number)}
     seconds = {"learning": learned - begin, "testing": perf_counter() - learned}
-    return Run(state, (*(() if run is None else run.metrics), row)), seconds
+    return Run(state, (*run.metrics, row)), seconds

@@ -105,6 +105,13 @@ def differences(there: object, here: object, name: str = "") -> list[str]:
         for key in dict.fromkeys([*there, *here]):
             found += differences(there.get(key), here.get(key), f"{name}.{key}" if name else str(key))
         return found
+    if isinstance(there, list) and isinstance(here, list):
+        # Lists are long, and their first difference tells enough.
+        for place, both in enumerate(zip(there, here, strict=False)):
+            if found := differences(*both, f"{name}[{place}]"):
+                return found
+        if len(there) != len(here):
+            return [f"{name} ({len(there)} there, {len(here)} here)"]
     return [] if there == here else [f"{name} ({there!r} there, {here!r} here)"]
 
 

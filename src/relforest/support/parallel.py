@@ -14,7 +14,7 @@ from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.workers import run_in_processes
 
-__all__ = ["checked_jobs", "one_blas_thread", "run_tasks"]
+__all__ = ["checked_jobs", "may_leave_machine", "one_blas_thread", "run_tasks"]
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
@@ -74,19 +74,44 @@ def run_tasks(
     with one_blas_thread():
         left: dict[int, tuple[Any, ...]] = {number: (function, *task) for number, task in enumerate(tasks)}
         backend, _ = get_active_backend(prefer=prefer)
-        if n_jobs == 1 or len(tasks) < 2:
+        client = getattr(backend, "client", None)
+        if n_jobs == 1 or (len(tasks) < 2 and client is None):
             for number, first in left.items():
                 call: tuple[Any, ...] | None = first
                 while call is not None:
                     call = finish(number, call[0](*call[1:]))
         elif isinstance(backend, LokyBackend):
             run_in_processes(_single_threaded, list(left.values()), min(n_jobs, len(tasks)), finish)
+        elif client is not None:
+            _on_cluster(client, left, finish)
         else:
             while left:
                 left = _round(
                     left, finish, n_jobs, prefer, shared=getattr(backend, "supports_sharedmem", False)
                 )
     return results
+
+
+def _on_cluster(
+    client: Any,  # noqa: ANN401 - `distributed.Client`, which is optional
+    calls: Mapping[int, tuple[Any, ...]],
+    finish: Callable[[int, Any], tuple[Any, ...] | None],
+) -> None:
+    """Run calls and what continues them on a Dask cluster.
+
+    Not by joblib, which would stay here if there is one worker only, and would continue no task before all
+    are done.
+    """
+    from distributed import as_completed  # noqa: PLC0415 - optional
+
+    numbers = {client.submit(_single_threaded, *call, pure=False): number for number, call in calls.items()}
+    done = as_completed(numbers)
+    for future in done:
+        number = numbers.pop(future)
+        if (more := finish(number, future.result())) is not None:
+            again = client.submit(_single_threaded, *more, pure=False)
+            numbers[again] = number
+            done.add(again)
 
 
 def _round(
@@ -108,6 +133,12 @@ def _round(
     parallel = joblib.Parallel(n_jobs=n_jobs, prefer=prefer, return_as="generator_unordered")
     more = {number: finish(number, result) for number, result in parallel(jobs)}
     return {number: call for number, call in sorted(more.items()) if call is not None}
+
+
+def may_leave_machine() -> bool:
+    """Return whether `run_tasks` hands processes to a backend that may have machines without our files."""
+    backend, _ = get_active_backend(prefer="processes")
+    return not (isinstance(backend, LokyBackend) or getattr(backend, "supports_sharedmem", False))
 
 
 def checked_jobs(n_jobs: object) -> int:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from relforest.experiments.corridor.analysis import below_p, figures, greater_p, summarize, values
+from relforest.experiments.corridor.analysis import STATEMENTS, below_p, figures, summarize, values
+from relforest.experiments.statements import statements_sheet
 from relforest.experiments.table import Row, Table
 
 
@@ -39,20 +40,8 @@ def test_values_are_taken_after_an_iteration_or_the_last() -> None:
     np.testing.assert_array_equal(values(TABLE, "500-densities", 1, "test_reward"), [8.6, 8.5])
     np.testing.assert_array_equal(values(TABLE, "500-densities", -1, "test_reward"), [8.8, 8.6])
     np.testing.assert_array_equal(values(TABLE, "10-bits", -1, "leaves"), [30.0, 32.0])
-
-
-def test_the_two_sample_test_is_students() -> None:
-    rng = np.random.default_rng(0)
-    one, other = rng.normal(1.0, 1.0, 8), rng.normal(0.5, 2.0, 12)
-
-    expected = stats.ttest_ind(one, other, alternative="greater").pvalue
-    assert greater_p(one, other) == pytest.approx(expected, rel=1e-12)
-    assert greater_p(np.full(3, 8.0), np.full(3, 7.0)) == 0.0
-    assert greater_p(np.full(3, 7.0), np.full(3, 7.0)) == 1.0
-    # One constant sample: means 3 and 1, pooled variance (0 + 2) / 4, t = 2 / sqrt(.5 * 2 / 3), 4 degrees.
-    assert greater_p(np.full(3, 3.0), np.array([0.0, 1.0, 2.0])) == pytest.approx(
-        float(stats.t.sf(2.0 / np.sqrt(1.0 / 3.0), 4))
-    )
+    assert not len(values(TABLE, "500-untested", -1, "leaves"))
+    assert not len(values(TABLE, "10-bits", 7, "leaves"))
 
 
 def test_the_one_sample_test_is_students() -> None:
@@ -82,7 +71,36 @@ def test_the_summary_has_means_deviations_and_tests() -> None:
     # sd of 8.6 and 8.5: .0707
     assert "8.55 +- 0.07" in text
     assert "31.0 +- 1.4" in text
-    assert "< 1e-11" in text
+    assert "p < 1e-11" in text
+
+
+def verdict(words: str, table: Table) -> str:
+    (found,) = [line[-1] for line in statements_sheet(STATEMENTS, table).lines() if words in line[0]]
+    return found
+
+
+def test_the_source_is_judged_where_runs_were_made() -> None:
+    # Rewards 8.8 and 8.6: a mean above the optimum of 8.69.
+    assert verdict("500 episodes, in the end: reward not below the optimum", TABLE) == "holds"
+    # 8.6 and 8.5: t = -.14 / .05, one degree of freedom, p = atan(.05 / .14) / pi = .109.
+    assert verdict("500 episodes, one batch: reward not below the optimum", TABLE) == "holds"
+    assert verdict("bits alone need more leaves", TABLE) == "holds"
+    assert verdict("densities do not give more reward", TABLE) == "holds"
+    assert verdict("trees untested", TABLE) == "not run"
+
+
+@pytest.mark.parametrize(("trees", "expected"), [(38, "does not hold"), (39, "holds")])
+def test_rounds_without_end_add_more_trees_than_all_but_one_could(trees: int, expected: str) -> None:
+    untested = [dict(row, trees=trees) for row in rows("500-untested", 0, [2.0, 8.6], [0, 300])]
+    assert verdict("trees untested", Table.of(untested)) == expected
+
+
+def test_a_single_run_has_no_deviation_and_proves_nothing() -> None:
+    alone = Table.of([row for row in TABLE.rows if row["run"] == 0])
+    findings = summarize(alone)
+    assert [claim.name[:11] for claim in findings.claims] == ["500 episode"] * 2
+    assert "31" not in str(findings.parts[2].to_text())
+    assert verdict("bits alone need more leaves", alone) == "not run"
 
 
 def test_there_are_the_three_figures_of_the_source() -> None:

@@ -1,13 +1,14 @@
-"""Table -> mean rewards and leaves, t-tests as in the source, claims, and Figures 7.2 to 7.4."""
+"""Table -> mean rewards and leaves, the source's statements, claims, and Figures 7.2 to 7.4."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy import stats
 
 from relforest.experiments.claims import Claim, Findings
@@ -15,35 +16,35 @@ from relforest.experiments.corridor import settings
 from relforest.experiments.corridor.run import compute, learned
 from relforest.experiments.registry import heading
 from relforest.experiments.sheets import Entry, Estimate, Sheet
-from relforest.experiments.study import Study
+from relforest.experiments.statements import (
+    LEVEL,
+    Judge,
+    Judgement,
+    Sample,
+    Statement,
+    Values,
+    above,
+    greater_p,
+    not_above,
+    statements_sheet,
+)
+from relforest.experiments.study import Study, repeated
 from relforest.experiments.table import Table
 from relforest.reports.learning_figure import leaves_figure, reward_figure
+from relforest.rl.settings import RPISettings
 
-_FAST, _SLOW, _BITS = settings.CONDITIONS
-
-
-def values(table: Table, condition: str, iteration: int, column: str) -> NDArray[np.float64]:
-    """Return a column of all runs of a condition after an iteration, (runs,); -1 = the last iteration."""
-    own = table.where(condition=condition)
-    wanted = int(own.numbers("iteration").max()) if iteration < 0 else iteration
-    return own.where(iteration=wanted).numbers(column)
+_FAST, _SLOW, _BITS, _UNTESTED = settings.CONDITIONS
+_ACTIONS: Final = 2
 
 
-def greater_p(sample: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return the p-value of the one-tailed two-sample t-test of "the first mean is greater".
-
-    Samples without any spread, for which the test is undefined, give 0 or 1 by their means.
-    """
-    described = [(float(x.mean()), float(x.std(ddof=1)), len(x)) for x in (sample, other)]
-    (mean, deviation, _), (other_mean, other_deviation, _) = described
-    if deviation == other_deviation == 0.0:
-        return float(mean <= other_mean)
-    # From the moments, because SciPy warns of lost precision where one sample is constant.
-    found = stats.ttest_ind_from_stats(*described[0], *described[1], alternative="greater")
-    return float(found.pvalue)
+def values(table: Table, condition: str, iteration: int, column: str) -> Values:
+    """Return a column of all runs of a condition after an iteration, (runs,), maybe none; -1 = the last."""
+    own = [row for row in table.rows if row["condition"] == condition]
+    wanted = max((int(row["iteration"] or 0) for row in own), default=0) if iteration < 0 else iteration
+    return np.array([row[column] for row in own if row["iteration"] == wanted], dtype=np.float64)
 
 
-def below_p(sample: NDArray[np.float64], bound: float) -> float:
+def below_p(sample: Values, bound: float) -> float:
     """Return the p-value of the one-tailed one-sample t-test of "the mean is below the bound"."""
     deviation = float(sample.std(ddof=1))
     if deviation == 0.0:
@@ -51,35 +52,71 @@ def below_p(sample: NDArray[np.float64], bound: float) -> float:
     return float(stats.t.cdf((sample.mean() - bound) / deviation * len(sample) ** 0.5, len(sample) - 1))
 
 
+def _sample(condition: str, iteration: int = -1, column: str = "test_reward") -> Sample:
+    return partial(values, condition=condition, iteration=iteration, column=column)
+
+
+def _optimal(iteration: int) -> Judge:
+    """Return the judge of "the mean reward is not significantly below the optimum"."""
+
+    def judge(table: Table) -> Judgement | None:
+        rewards = values(table, _FAST, iteration, "test_reward")
+        if len(rewards) < 2:
+            return None
+        p = below_p(rewards, settings.OPTIMUM)
+        return Judgement(f"{rewards.mean():.4g} / {settings.OPTIMUM} ({len(rewards)})", p >= LEVEL, p)
+
+    return judge
+
+
+def _endless(table: Table) -> Judgement | None:
+    """Judge "every round adds trees, up to the limit of rounds"; a round adds one for each action at most."""
+    trees, limit = values(table, _UNTESTED, 1, "trees"), RPISettings().max_rounds
+    if not len(trees):
+        return None
+    least = int(trees.min())
+    return Judgement(f"{least} trees in {limit} rounds ({len(trees)})", least > _ACTIONS * (limit - 1))
+
+
+STATEMENTS: Final = (
+    *(
+        Statement("7.3.2", f"500 episodes, {when}: reward not below the optimum", "p < .5", _optimal(number))
+        for when, number in (("one batch", 1), ("in the end", -1))
+    ),
+    Statement(
+        "7.3.2",
+        "one batch: 500 episodes give more reward than 10",
+        "Figure 7.2",
+        above(_sample(_FAST, 1), _sample(_SLOW, 1)),
+    ),
+    Statement(
+        "7.3.2",
+        "10 episodes, in the end: densities do not give more reward than bits alone",
+        "p < .5",
+        not_above(_sample(_SLOW), _sample(_BITS)),
+    ),
+    Statement(
+        "7.3.2",
+        "10 episodes, in the end: bits alone need more leaves",
+        "p < 1e-11",
+        above(_sample(_BITS, column="leaves"), _sample(_SLOW, column="leaves")),
+    ),
+    Statement("7.3.2", "500 episodes, trees untested: rounds add trees without end", "no end", _endless),
+)
+"""What the source says about the corridor."""
+
+
 def summarize(table: Table) -> Findings:
-    """State means and spreads by iteration, the source's comparisons, and the claims."""
-    claims = [
-        Claim(
-            f"{settings.CONDITIONS[condition]}: mean test reward after iteration {iteration}",
-            float(values(table, condition, iteration, "test_reward").mean()),
-            low=threshold,
-        )
-        for (condition, iteration), threshold in settings.THRESHOLDS.items()
-        if _has(table, condition, iteration)
-    ]
-    rewards, leaves = (
-        greater_p(values(table, one, -1, column), values(table, other, -1, column))
-        for one, other, column in ((_SLOW, _BITS, "test_reward"), (_BITS, _SLOW, "leaves"))
-    )
-    claims += [
-        Claim("bits only: p of a lower reward than with densities, at the end", rewards, low=settings.ALPHA),
-        Claim("bits only: p of more leaves than with densities, at the end", leaves, high=settings.ALPHA),
-    ]
-    n_runs = len(table.where(condition=_FAST).distinct("run"))
+    """State means and spreads by iteration, the source's statements, and the claims."""
+    n_runs = max(len(runs.distinct("run")) for runs in table.groups("condition").values())
     spread = "mean +- standard deviation across runs"
     text = f"Corridor: {n_runs} runs per condition ({spread}; optimum {settings.OPTIMUM})"
-    tests = tuple(_tests(table, rewards, leaves))
     sheets = (
+        statements_sheet(STATEMENTS, table),
         _sheet(table, "test_reward", ".2f"),
         _sheet(table, "leaves", ".1f"),
-        Sheet("One-tailed t-tests", {"": "", "p": ".2g", "source": ""}, tests),
     )
-    return Findings(text, tuple(claims), sheets)
+    return Findings(text, tuple(_claims(table)), sheets)
 
 
 def figures(table: Table) -> Mapping[str, Figure]:
@@ -93,8 +130,20 @@ def figures(table: Table) -> Mapping[str, Figure]:
     }
 
 
-def _has(table: Table, condition: str, iteration: int) -> bool:
-    return iteration in table.where(condition=condition).distinct("iteration")
+def _claims(table: Table) -> Iterator[Claim]:
+    for (condition, iteration), threshold in settings.THRESHOLDS.items():
+        if len(found := values(table, condition, iteration, "test_reward")):
+            name = f"{settings.CONDITIONS[condition]}: mean test reward after iteration {iteration}"
+            yield Claim(name, float(found.mean()), low=threshold)
+    densities, bits = (
+        [values(table, condition, -1, column) for column in ("test_reward", "leaves")]
+        for condition in (_SLOW, _BITS)
+    )
+    if min(len(densities[0]), len(bits[0])) > 1:
+        p_reward, p_leaves = greater_p(densities[0], bits[0]), greater_p(bits[1], densities[1])
+        end = "than with densities, at the end"
+        yield Claim(f"bits only: p of a lower reward {end}", p_reward, low=LEVEL)
+        yield Claim(f"bits only: p of more leaves {end}", p_leaves, high=LEVEL)
 
 
 def _runs(table: Table, condition: str) -> list[list[Mapping[str, Any]]]:
@@ -107,24 +156,12 @@ def _sheet(table: Table, column: str, form: str) -> Sheet:
     for iteration in np.unique(table.numbers("iteration")).astype(int).tolist():
         row: list[Entry] = [iteration]
         for condition in map(str, table.distinct("condition")):
-            found = values(table, condition, iteration, column) if _has(table, condition, iteration) else None
-            row.append(None if found is None else Estimate(float(found.mean()), float(found.std(ddof=1))))
+            found = values(table, condition, iteration, column)
+            deviation = float(found.std(ddof=1)) if len(found) > 1 else None
+            row.append(Estimate(float(found.mean()), deviation) if len(found) else None)
         rows.append(tuple(row))
     titles = (settings.CONDITIONS[str(name)] for name in table.distinct("condition"))
     return Sheet(column, {"iteration": "", **dict.fromkeys(titles, form)}, tuple(rows))
-
-
-def _tests(table: Table, rewards: float, leaves: float) -> Iterator[tuple[Entry, ...]]:
-    p_optimum = below_p(values(table, _FAST, -1, "test_reward"), settings.OPTIMUM)
-    first = greater_p(values(table, _FAST, 1, "test_reward"), values(table, _SLOW, 1, "test_reward"))
-    end = "10 episodes, at the end"
-    yield "500 episodes, at the end: reward below the optimum", p_optimum, "not significant"
-    yield "after iteration 1: reward with 500 episodes above that with 10", first, None
-    yield f"{end}: reward of bits below that of densities", rewards, f"< {settings.SOURCE_REWARD_P}"
-    yield f"{end}: leaves of bits above those of densities", leaves, f"< {settings.SOURCE_LEAVES_P}"
-    for condition, title in settings.CONDITIONS.items():
-        before, after = (values(table, condition, iteration, "test_reward") for iteration in (0, -1))
-        yield f"{title}: reward at the end above that before", greater_p(after, before), None
 
 
 STUDY: Final = Study(
@@ -134,5 +171,10 @@ STUDY: Final = Study(
     compute,
     summarize,
     figures,
+    sizes={
+        "runs": repeated,
+        "iterations": lambda setting, number: (replace(setting, iterations=number),),
+        "episodes": lambda setting, number: (replace(setting, episodes=number),),
+    },
     learned=learned,
 )

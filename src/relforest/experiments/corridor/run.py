@@ -9,6 +9,7 @@ from relforest.experiments.run_config import RunConfig
 from relforest.experiments.runs import RunInFolder
 from relforest.experiments.study import Context
 from relforest.experiments.table import Row
+from relforest.rl.settings import RPISettings
 from relforest.runs.store import metrics_of
 from relforest.support.rng import seed_sequence, stream
 
@@ -27,6 +28,7 @@ def learned(setting: CorridorSetting, context: Context) -> RunInFolder:
         runs=setting.runs,
         seed=seed_of(setting.condition, context.seed),
         features=setting.features,
+        rpi=None if setting.wrapper else RPISettings(wrapper=False),
     )
     folder = context.folder / "runs" / setting.condition / f"run-{setting.run:02d}"
     return RunInFolder(config, setting.run, folder)

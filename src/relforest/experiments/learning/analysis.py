@@ -1,4 +1,4 @@
-"""Table -> rewards by training episodes and method, claims, and learning curves."""
+"""Table -> what the source says, rewards by training episodes and method, and claims."""
 
 from __future__ import annotations
 
@@ -7,27 +7,23 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy import stats
 
 from relforest.experiments.claims import Claim, Findings
 from relforest.experiments.learning import settings
+from relforest.experiments.learning.figures import figures
 from relforest.experiments.learning.run import compute, learned, unavailable
 from relforest.experiments.learning.settings import LearningSetting
+from relforest.experiments.learning.statements import STATEMENTS, measured
 from relforest.experiments.registry import question_of
 from relforest.experiments.sheets import Entry, Sheet, Span
-from relforest.experiments.study import Study
+from relforest.experiments.statements import interquartile_mean, statements_sheet
+from relforest.experiments.study import Study, repeated
 from relforest.experiments.table import Table
-from relforest.reports.style import GREY, MARKERS, SERIES, styled
 
 _DRAWS: Final = 5000
 _FEW: Final = 3
-
-
-def interquartile_mean(values: NDArray[np.float64]) -> float:
-    """Return the mean of the middle half of (n,) values."""
-    return float(stats.trim_mean(values, 0.25))
 
 
 def interval(values: NDArray[np.float64]) -> Span | None:
@@ -39,65 +35,22 @@ def interval(values: NDArray[np.float64]) -> Span | None:
     return Span(low, high)
 
 
-def rewards(table: Table, played: str, condition: str, episodes: int) -> NDArray[np.float64]:
-    """Return the rewards of all runs of a condition after so many training episodes, (runs,), maybe none."""
-    kept = [
-        row["reward"]
-        for row in table.rows
-        if (row["played"], row["condition"], row["episodes"]) == (played, condition, episodes)
-    ]
-    return np.array(kept, dtype=np.float64)
-
-
 def summarize(task: str, table: Table) -> Findings:
-    """State rewards by method and episodes, and whether the better learner reached its goals."""
+    """State what the source says and is found here, rewards by method and episodes, and the goals reached."""
     titles = {"condition": "", "episodes": "", "runs": "", "mean": _form(task)}
     titles |= dict.fromkeys(("interquartile mean", "95 %", "least", "most"), _form(task))
-    sheets = []
+    sheets = [statements_sheet(STATEMENTS[task], table)]
     for played in table.distinct("played"):
         rows = tuple(_rows(table, str(played)))
         sheets.append(Sheet(f"Reward per episode in {played}, learned in {task}", titles, rows))
     return Findings("", tuple(_claims(task, table)), tuple(sheets))
 
 
-def figures(task: str, table: Table) -> Mapping[str, Figure]:
-    """Draw the mean reward of each learner by training episodes, and hand-made policies as lines."""
-    with styled():
-        figure = Figure(figsize=(5.6, 3.6), layout="constrained")
-        axes = figure.add_subplot()
-        own = table.where(played=task)
-        learners = [str(name) for name in own.distinct("condition") if str(name) in settings.LEARNERS]
-        for place, condition in enumerate(learners):
-            episodes = np.unique(own.where(condition=condition).numbers("episodes")).astype(int).tolist()
-            values = [rewards(table, task, condition, each) for each in episodes]
-            color, marker = SERIES[place % len(SERIES)], MARKERS[place % len(MARKERS)]
-            means = [each.mean() for each in values]
-            axes.plot(episodes, means, color=color, marker=marker, label=condition)
-            axes.fill_between(
-                episodes,
-                [each.min() for each in values],
-                [each.max() for each in values],
-                color=color,
-                alpha=0.15,
-                linewidth=0,
-            )
-        for name in map(str, own.distinct("condition")):
-            if name not in settings.LEARNERS and not name.startswith(settings.OURS):
-                level = float(rewards(table, task, name, 0).mean())
-                axes.axhline(level, color=GREY, linestyle="--", linewidth=0.9)
-                axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right")
-        axes.set_xlabel("training episodes (band: all runs)")
-        axes.set_ylabel("mean reward of a test episode")
-        if learners:
-            axes.legend(frameon=True, framealpha=0.9, edgecolor="none")
-    return {"learning.png": figure}
-
-
 def _rows(table: Table, played: str) -> Iterator[tuple[Entry, ...]]:
     own = table.where(played=played)
     for condition in map(str, own.distinct("condition")):
         for episodes in np.unique(own.where(condition=condition).numbers("episodes")).astype(int).tolist():
-            found = rewards(table, played, condition, episodes)
+            found = measured(table, played, condition, episodes)
             ends = (float(found.min()), float(found.max()))
             middle = interquartile_mean(found)
             yield condition, episodes, len(found), float(found.mean()), middle, interval(found), *ends
@@ -105,7 +58,7 @@ def _rows(table: Table, played: str) -> Iterator[tuple[Entry, ...]]:
 
 def _claims(task: str, table: Table) -> Iterator[Claim]:
     ours, hand = settings.OURS, settings.HAND[task]
-    found = partial(rewards, table)
+    found = partial(measured, table)
     for episodes, goal in settings.GOALS[task].items():
         name = f"{ours}: mean reward after {episodes} episodes"
         if len(own := found(task, ours, episodes)):
@@ -126,7 +79,7 @@ def _claims(task: str, table: Table) -> Iterator[Claim]:
 
 
 def _keepaway_claims(table: Table) -> Iterator[Claim]:
-    found, ours, end, task = partial(rewards, table), settings.OURS, 1000, settings.KEEPAWAY
+    found, ours, end, task = partial(measured, table), settings.OURS, 1000, settings.KEEPAWAY
     if not len(own := found(task, ours, end)):
         return
     for other, episodes in ((settings.HAND[task], 0), (settings.SARSA, 6000)):
@@ -145,7 +98,7 @@ def _keepaway_claims(table: Table) -> Iterator[Claim]:
 
 def _tower_claims(table: Table) -> Iterator[Claim]:
     ours, hand, end = settings.OURS, settings.HAND[settings.TOWERS], 1000
-    own, level = (rewards(table, settings.TOWERS, *each) for each in ((ours, end), (hand, 0)))
+    own, level = (measured(table, settings.TOWERS, *each) for each in ((ours, end), (hand, 0)))
     if len(own) == len(level):
         # Run by run, both have played the same draws.
         p = float(stats.ttest_rel(own, level, alternative="greater").pvalue)
@@ -155,7 +108,7 @@ def _tower_claims(table: Table) -> Iterator[Claim]:
 def _arch_claims(table: Table) -> Iterator[Claim]:
     end = 1500
     name = f"{settings.OURS}: share of test episodes that end with an arch after {end} episodes"
-    if len(rewards(table, settings.ARCH, settings.OURS, end)):
+    if len(measured(table, settings.ARCH, settings.OURS, end)):
         rows = table.where(played=settings.ARCH, condition=settings.OURS, episodes=end)
         yield Claim(name, float(rows.numbers("paid").mean()), low=settings.STANDING)
     else:
@@ -165,7 +118,7 @@ def _arch_claims(table: Table) -> Iterator[Claim]:
 
 def _mean_claim(table: Table, task: str, end: int) -> Iterator[Claim]:
     ours, hand = settings.OURS, settings.HAND[task]
-    own, level = (rewards(table, task, *each) for each in ((ours, end), (hand, 0)))
+    own, level = (measured(table, task, *each) for each in ((ours, end), (hand, 0)))
     if len(own):
         name = f"{ours}: mean reward after {end} episodes, bound: {hand}"
         yield Claim(name, float(own.mean()), low=float(level.mean()))
@@ -193,6 +146,7 @@ def _study(name: str, task: str) -> Study[LearningSetting]:
         partial(summarize, task),
         partial(figures, task),
         choices={"methods": lambda setting: setting.condition},
+        sizes={"runs": repeated, "iterations": LearningSetting.longer, "episodes": LearningSetting.larger},
         unavailable=unavailable,
         learned=learned,
     )

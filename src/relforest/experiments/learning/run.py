@@ -1,6 +1,7 @@
 """One run, or one hand-made policy -> rows: task, condition, run, where it played, episodes, reward.
 
-Of the last policy there is also the share of the test episodes in which it was paid.
+For runs, there are also the mean reward of the last batch of training, and the leaves of all trees; for the
+last policy the share of the test episodes in which it was paid.
 """
 
 from __future__ import annotations
@@ -60,6 +61,7 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
     if not setting.episodes:
         return None
     choice = LEARNERS[setting.condition]
+    rpi = replace(task_named(setting.task).settings, **choice.rpi) if choice.rpi else None
     config = RunConfig(
         setting.task,
         method=choice.method,
@@ -68,6 +70,7 @@ def learned(setting: LearningSetting, context: Context) -> RunInFolder | None:
         test_episodes=setting.tests,
         runs=setting.runs,
         seed=_seed_of(setting.condition, context.seed),
+        rpi=rpi,
         discount=choice.discount,
         source=None if choice.source is None else Source(_folder(choice.source, setting.run, context)),
     )
@@ -91,9 +94,12 @@ def compute(setting: LearningSetting, context: Context) -> list[Row]:
     head: Row = {"task": setting.task, "condition": setting.condition, "run": setting.run}
     run = learned(setting, context)
     rows: list[Row] = []
-    for row in () if run is None else metrics_of(run.folder)[: setting.iterations]:
-        episodes, reward = int(row["iteration"]) * setting.episodes, float(row["test_reward"])
-        rows.append({**head, "played": setting.task, "episodes": episodes, "reward": reward, "paid": None})
+    last: Row = {"train": None, "leaves": None}
+    for row in () if run is None else metrics_of(run.folder)[: setting.iterations + 1]:
+        last = {"train": row["train_reward"], "leaves": row["leaves"]}
+        if (number := int(row["iteration"])) < setting.iterations:
+            where: Row = {"played": setting.task, "episodes": number * setting.episodes}
+            rows.append({**head, **where, "reward": row["test_reward"], **last, "paid": None})
     ends: list[tuple[str, str, Change]] = [
         (task, "", replace) for task in (setting.task, *LARGER[: setting.others])
     ]
@@ -101,9 +107,17 @@ def compute(setting: LearningSetting, context: Context) -> list[Row]:
         ends += [(setting.task, name, change) for name, change in _CHANGES.get(setting.task, {}).items()]
     for task, name, change in ends:
         rewards = _rewards(task, setting, run, context, change)
-        where = {"condition": setting.condition + name, "played": task}
-        paid = {"reward": float(rewards.mean()), "paid": float((rewards > 0.0).mean())}
-        rows.append({**head, **where, "episodes": setting.iterations * setting.episodes, **paid})
+        rows.append(
+            {
+                **head,
+                "condition": setting.condition + name,
+                "played": task,
+                "episodes": setting.iterations * setting.episodes,
+                "reward": float(rewards.mean()),
+                **last,
+                "paid": float((rewards > 0.0).mean()),
+            }
+        )
     return rows
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Final, final
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, final
 
 from relforest.experiments.tasks import MethodName
 
 KEEPAWAY: Final = "keepaway"
 TOWERS: Final = "high-towers"
 COLORS: Final = "color-grouping"
+RGB: Final = "color-grouping-rgb"
 ARCH: Final = "arch"
 
 
@@ -51,15 +52,40 @@ class LearningSetting:
         """Return condition, task and number."""
         return f"{self.condition} in {self.task}, run {self.run}"
 
+    def longer(self, iterations: int) -> tuple[LearningSetting, ...]:
+        """Return the setting with other iterations, unless its meaning depends on them."""
+        is_fixed = not self.episodes or self.condition in FIXED
+        return (self if is_fixed else replace(self, iterations=iterations),)
+
+    def larger(self, episodes: int) -> tuple[LearningSetting, ...]:
+        """Return the setting with batches of another size, if it learns anything."""
+        return (replace(self, episodes=episodes) if self.episodes else self,)
+
 
 @final
 @dataclass(frozen=True, slots=True)
 class LearnerChoice:
-    """A learner under one condition, which may begin with the run of another condition of the same number."""
+    """A learner under one condition.
+
+    Parameters
+    ----------
+    method : str
+        A key of `relforest.experiments.methods.METHODS`.
+    discount : float, optional
+        Discount factor of the world.
+    source : str, optional
+        The condition of the run that it begins with, which has the same number.
+    rpi : mapping
+        Options of SMRF-RPI that differ from those of the task.
+    """
 
     method: MethodName
     discount: float | None = None
     source: str | None = None
+    rpi: Mapping[str, Any] = field(default_factory=dict)
+
+
+_ONE_ROUND: Final = {"max_rounds": 1}
 
 
 LEARNERS: Final[Mapping[str, LearnerChoice]] = {
@@ -77,13 +103,31 @@ LEARNERS: Final[Mapping[str, LearnerChoice]] = {
     "dqn": LearnerChoice("dqn"),
     "deep-sets-q": LearnerChoice("deep-sets-q"),
     "sarsa-on-smrf": LearnerChoice("sarsa-on-smrf", source="smrf-rpi-500"),
+    "smrf-rpi-500-once": LearnerChoice("smrf-rpi"),
+    "smrf-rpi-500-long": LearnerChoice("smrf-rpi"),
+    "smrf-rpi-500-single": LearnerChoice("smrf-rpi", rpi=_ONE_ROUND),
+    "smrf-rpi-500-single-tree": LearnerChoice("smrf-rpi", rpi={**_ONE_ROUND, "trees_per_label": 1}),
+    "smrf-rpi-50-single": LearnerChoice("smrf-rpi", rpi=_ONE_ROUND),
+    "smrf-rpi-500-rgb": LearnerChoice("smrf-rpi"),
+    "cmac-sarsa-shared-50": LearnerChoice("cmac-sarsa-shared"),
+    "cmac-sarsa-shared-500": LearnerChoice("cmac-sarsa-shared"),
+    "cmac-sarsa-shared-4v3": LearnerChoice("cmac-sarsa-shared"),
 }
-"""Condition -> what learns; the order gives each condition its seed."""
+"""Condition -> what learns; the order gives each condition its seed.
+
+Those of SMRF-RPI and of Sarsa with shared experience that have a number are the source's: so many episodes in
+a batch; *once* is a single batch, *long* ten; *single* a single round of representation and policy learning
+for every batch, *single-tree* with a single tree per label.
+"""
+
+FIXED: Final = ("smrf-rpi-500", "smrf-rpi-500-once")
+"""Conditions that stand for a number of batches, whatever the length of the others."""
 
 OURS: Final = "smrf-q"
 SARSA: Final = "cmac-sarsa"
 LINEAR: Final = "linear-q"
 LARGER: Final = ("keepaway-4v3", "keepaway-5v4", "keepaway-6v5")
+_OTHERS: Final = {OURS: len(LARGER), "smrf-rpi-500-once": 1, "smrf-rpi-500-long": 1}
 HAND: Final[Mapping[str, str]] = {KEEPAWAY: "hand", TOWERS: "large-first", COLORS: "manual", ARCH: "trainer"}
 """Task -> the policy to beat."""
 
@@ -99,7 +143,7 @@ _BATCH: Final = 100
 def _runs(
     task: str, condition: str, episodes: int, iterations: int, *, runs: int = N_RUNS, tests: int = _TESTS
 ) -> tuple[LearningSetting, ...]:
-    others = len(LARGER) if (task, condition) == (KEEPAWAY, OURS) else 0
+    others = _OTHERS.get(condition, 0) if task == KEEPAWAY else 0
     return tuple(
         LearningSetting(task, condition, run, runs, episodes, iterations, tests, others)
         for run in range(runs)
@@ -135,19 +179,33 @@ SETTINGS: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
         ),
         *_runs(KEEPAWAY, "dqn", _BATCH, 10, runs=5),
         *_runs(KEEPAWAY, "deep-sets-q", _BATCH, 10, runs=5),
+        *_runs(KEEPAWAY, "cmac-sarsa-shared-50", 50, 10),
+        *_runs(KEEPAWAY, "cmac-sarsa-shared-500", 500, 10),
+        *_runs(LARGER[0], "cmac-sarsa-shared-4v3", 500, 10),
+        *_runs(KEEPAWAY, "smrf-rpi-500-once", 500, 1),
+        *_runs(KEEPAWAY, "smrf-rpi-50-single", 50, 10),
+        *(
+            setting
+            for length in ("long", "single", "single-tree")
+            for setting in _runs(KEEPAWAY, f"smrf-rpi-500-{length}", 500, 10)
+        ),
     ),
     TOWERS: (
-        *_hand_made(TOWERS, "large-first", "random", tests=_FEWER),
+        *_hand_made(TOWERS, "large-first", "small-first", "random", tests=_FEWER),
         *_runs(TOWERS, OURS, _BATCH, 10, tests=_FEWER),
+        *_runs(TOWERS, "smrf-rpi-500", 500, 10, tests=_FEWER),
     ),
     COLORS: (
         *_hand_made(COLORS, "manual", "random", tests=_FEWER),
+        *_hand_made(RGB, "manual", tests=_FEWER),
         *_runs(COLORS, OURS, _BATCH, 20, tests=_FEWER),
+        *_runs(COLORS, "smrf-rpi-500", 500, 10, tests=_FEWER),
+        *_runs(RGB, "smrf-rpi-500-rgb", 500, 10, tests=_FEWER),
     ),
     ARCH: (
         *_hand_made(ARCH, "trainer", "careful", "random", tests=_FEWER),
         *_runs(ARCH, OURS, 500, 3, runs=5, tests=_FEWER),
-        *_runs(ARCH, "smrf-rpi-500", 500, 3, runs=5, tests=_FEWER),
+        *_runs(ARCH, "smrf-rpi-500", 500, 4, runs=5, tests=_FEWER),
     ),
 }
 SMOKE: Final[Mapping[str, tuple[LearningSetting, ...]]] = {
