@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from browser import told_by
 from experiments.run_folders import SMALL, TWO_RUNS
 from relforest.experiments.claims import Claim
 from relforest.experiments.learning.settings import SETTINGS
@@ -77,6 +78,28 @@ def test_runs_are_told_drawn_and_played(tmp_path: Path) -> None:
     page = report_page([section], title="One")
     assert "corridor, played by run-00" in page
     Elements(page)
+
+
+def test_a_report_opens_without_an_error_and_unfolds_on_paper(tmp_path: Path) -> None:
+    learn_runs(TWO_RUNS, tmp_path / "runs")
+    page = report_page([section_of(tmp_path / "runs", episodes=1)], title="One")
+    script = """
+    const texts = [...document.querySelectorAll("details")], states = () => texts.map((text) => text.open);
+    const told = [states()];
+    for (const event of ["beforeprint", "afterprint"]) {
+      dispatchEvent(new Event(event));
+      told.push(states());
+    }
+    texts[0].querySelector("summary").click();
+    return [...told, texts[0].open, document.querySelectorAll("iframe").length];
+    """
+    before, printed, after, clicked, players = told_by(page, script, tmp_path)
+    assert before
+    assert not any(before)
+    assert all(printed)
+    assert after == before
+    assert clicked
+    assert players == 1
 
 
 def test_a_run_before_its_first_iteration_has_nothing_to_report(tmp_path: Path) -> None:
