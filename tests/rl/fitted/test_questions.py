@@ -70,7 +70,9 @@ def test_features_are_about_the_nearest_object() -> None:
     assert seen.margins[0, 0] == pytest.approx(0.0, abs=1e-12)
     assert np.isnan(seen.margins[1, 0])
     assert seen.counts.tolist() == [[1.0], [0.0]]
-    np.testing.assert_allclose(features_of(packed, [question], scenes())[1], [0, 0, 0, 0, 1])
+    np.testing.assert_allclose(
+        features_of(measured(packed, scenes()).margins, [question])[1], [0, 0, 0, 0, 1]
+    )
 
 
 def test_knots_are_quantiles_in_ascending_order() -> None:

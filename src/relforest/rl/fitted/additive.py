@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Final, final
+from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from relforest.forests.packing import pack_conditions
 from relforest.rl.fitted.evidence import Evidence, check_values
-from relforest.rl.fitted.questions import N_KNOTS, Question, features_of
+from relforest.rl.fitted.questions import N_KNOTS, Question, features_of, measured
 from relforest.rl.fitted.search import new_questions
 from relforest.rl.fitted.settings import CurveSettings
 from relforest.rl.fitted.sum import Sum
@@ -30,6 +30,14 @@ _SPREAD_BEFORE: Final = 0.3
 _SETTLED: Final = 0.02
 
 
+class Explained(NamedTuple):
+    """A sum of curves, and what it was learned from."""
+
+    total: Sum
+    margins: tuple[FloatArray, ...]  # of its questions, for all candidates of each action type
+    targets: FloatArray  # (n,): what each transition turned out to be worth
+
+
 def improved(
     total: Sum,
     evidence: Evidence,
@@ -38,8 +46,8 @@ def improved(
     *,
     start: Sum | None,
     is_first: bool,
-) -> tuple[Sum, FloatArray]:
-    """Return curves that are learned from all experience, with new questions, and the returns they explain.
+) -> Explained:
+    """Return curves that are learned from all experience, with new questions.
 
     Parameters
     ----------
@@ -76,7 +84,7 @@ def improved(
         earned = is_first and turn < settings.rounds // 2
         fit, targets = grown.solved(settings, sweeps=0 if earned else settings.sweeps)
     check_values(fit.values(), evidence)
-    return fit.total, targets
+    return Explained(fit.total, fit.margins, targets)
 
 
 def _sought(
@@ -96,28 +104,30 @@ def _sought(
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fit:
-    """A sum, and the features of its questions for all candidates of each action type.
+    """A sum, and the margins and features of its questions for all candidates of each action type.
 
     What is solved for is the difference from `start`, whose values of the actions taken are `known` (n,).
     """
 
     total: Sum
     evidence: Evidence
+    margins: tuple[FloatArray, ...]
     features: tuple[Features, ...]
     start: Sum
     known: FloatArray
 
     @classmethod
     def of(cls, total: Sum, evidence: Evidence, start: Sum) -> _Fit:
-        found = [
-            features_of(packed, own, scenes, evidence.n_jobs)
-            for packed, own, scenes in zip(total.packed, total.questions, evidence.scenes, strict=True)
-        ]
+        margins = tuple(
+            measured(packed, scenes, evidence.n_jobs).margins
+            for packed, scenes in zip(total.packed, evidence.scenes, strict=True)
+        )
+        found = tuple(features_of(*each) for each in zip(margins, total.questions, strict=True))
         first = tuple(
             own[:, : len(questions) * N_KNOTS] for own, questions in zip(found, start.questions, strict=True)
         )
-        before = cls(start, evidence, first, start, np.empty(0))
-        return cls(total, evidence, tuple(found), start, before.values()[evidence.taken])
+        before = cls(start, evidence, margins, first, start, np.empty(0))
+        return cls(total, evidence, margins, found, start, before.values()[evidence.taken])
 
     def with_questions(self, number: int, added: list[Question]) -> _Fit:
         """Return the fit with more questions for one action type."""
@@ -125,11 +135,13 @@ class _Fit:
             return self
         total, schema = self.total, self.total.schemas[number]
         packed = pack_conditions(schema, [question.condition for question in added])
-        more = features_of(packed, added, self.evidence.scenes[number], self.evidence.n_jobs)
-        questions, features = list(total.questions), list(self.features)
+        more = measured(packed, self.evidence.scenes[number], self.evidence.n_jobs).margins
+        questions, margins, features = list(total.questions), list(self.margins), list(self.features)
         questions[number] = (*questions[number], *added)
-        features[number] = np.hstack([features[number], more])
-        return replace(self, total=replace(total, questions=tuple(questions)), features=tuple(features))
+        margins[number] = np.hstack([margins[number], more])
+        features[number] = np.hstack([features[number], features_of(more, added)])
+        total = replace(total, questions=tuple(questions))
+        return replace(self, total=total, margins=tuple(margins), features=tuple(features))
 
     def values(self) -> FloatArray:
         """Return Q of all candidates, (n_candidates,)."""

@@ -190,16 +190,17 @@ def _find_types(forests: ForestArrays, out: IntArray) -> bool:
 @kernel
 def _add_up(forests: ForestArrays, roots: IntArray, features: NDArray[np.float32], out: FloatArray) -> None:
     n_trees = max(1, (roots >= 0).sum())
-    for i in range(len(features)):
-        total = 0.0
-        for root in roots:
-            if root >= 0:
-                node = root
-                while forests.feature[node] >= 0:
-                    is_first = features[i, forests.feature[node]] <= forests.threshold[node]
-                    node = forests.children[node, 0 if is_first else 1]
-                total += forests.value[node] / n_trees
-        out[i] = total
+    out[:] = 0.0
+    # Tree by tree, because one of them fits into the fast memory near the processor.
+    for root in roots:
+        if root < 0:
+            continue
+        for i in range(len(features)):
+            node = root
+            while forests.feature[node] >= 0:
+                is_first = features[i, forests.feature[node]] <= forests.threshold[node]
+                node = forests.children[node, 0 if is_first else 1]
+            out[i] += forests.value[node] / n_trees
 
 
 @kernel

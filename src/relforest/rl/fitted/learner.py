@@ -154,8 +154,8 @@ class QLearner:
         curves = replace(settings.curves, rounds=rounds)
         first = first if isinstance(first, Sum) and any(first.constants) else None
         is_first = not any(known.constants)
-        learned, targets = improved(known, evidence, curves, rng, start=first, is_first=is_first)
-        learned = with_trees(learned, targets, evidence, settings, rng, start=first)
+        explained = improved(known, evidence, curves, rng, start=first, is_first=is_first)
+        learned = with_trees(explained, evidence, settings, rng, start=first)
         return QValue(view, world.action_types, learned)
 
     def evaluate(self, state: QKnowledge, number: int) -> Row:

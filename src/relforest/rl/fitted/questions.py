@@ -188,13 +188,10 @@ def hats(margins: FloatArray, knots: FloatArray, out: np.ndarray[Any, Any]) -> N
             out[i, first + place - 1], out[i, first + place] = 1.0 - share, share
 
 
-def features_of(
-    packed: Packed, questions: Sequence[Question], scenes: Scenes, n_jobs: int = 1
-) -> np.ndarray[Any, Any]:
-    """Return the shares of the knots of all questions, (n, k * N_KNOTS) float32."""
-    out = np.empty((len(scenes), len(questions) * N_KNOTS), dtype=np.float32)
-    knots = np.array([question.knots for question in questions]).reshape(-1, N_KNOTS)
-    hats(measured(packed, scenes, n_jobs).margins, knots, out)
+def features_of(margins: FloatArray, questions: Sequence[Question]) -> np.ndarray[Any, Any]:
+    """Return the shares of the knots of all questions in their margins (n, k), (n, k * N_KNOTS) float32."""
+    out = np.empty((len(margins), len(questions) * N_KNOTS), dtype=np.float32)
+    hats(margins, np.array([question.knots for question in questions]).reshape(-1, N_KNOTS), out)
     return out
 
 

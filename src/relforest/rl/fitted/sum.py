@@ -96,33 +96,37 @@ class Sum:
 
     def worth(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
         """Return what actions of one type are worth, (n,), without the value of the base."""
-        out = np.empty(len(seen.margins))
+        return self.valued(number, seen.margins)
+
+    def valued(self, number: int, margins: FloatArray) -> FloatArray:
+        """Return what actions of one type with these margins (n, k) are worth, (n,); see `worth`."""
+        out = np.empty(len(margins))
         knots, heights = self._curves[number][:, 0], self._curves[number][:, 1]
-        curves(seen.margins, np.ascontiguousarray(knots), np.ascontiguousarray(heights), out)
+        curves(margins, np.ascontiguousarray(knots), np.ascontiguousarray(heights), out)
         out, roots = out + self.constants[number], self.roots(number)
         if self.trees is None or not len(roots):
             return out
-        return 0.5 * (out + forest_mean(self.trees, roots, distances(seen)))
+        return 0.5 * (out + forest_mean(self.trees, roots, distances(margins)))
 
-    def adds(self, number: int, seen: Measures) -> FloatArray:
-        """Return the parts of `worth`, (n, 1 + k): the type as such, then what each question adds.
+    def adds(self, number: int, margins: FloatArray) -> FloatArray:
+        """Return the parts of `valued`, (n, 1 + k): the type as such, then what each question adds.
 
         In curves, questions are counted from what they usually add; in trees, by the means along the paths.
         """
         knots, heights = self._curves[number][:, 0], self._curves[number][:, 1]
-        features = np.empty((len(seen.margins), len(knots) * N_KNOTS))
-        hats(seen.margins, np.ascontiguousarray(knots), features)
+        features = np.empty((len(margins), len(knots) * N_KNOTS))
+        hats(margins, np.ascontiguousarray(knots), features)
         usual = np.array([question.usual for question in self.questions[number]])
         own = np.einsum("nkh,kh->nk", features.reshape(len(features), *knots.shape), heights) - usual
         out = np.column_stack([np.full(len(own), self.constants[number] + usual.sum()), own])
         roots = self.roots(number)
         if self.trees is None or not len(roots):
             return out
-        return 0.5 * (out + path_parts(self.trees, roots, distances(seen)))
+        return 0.5 * (out + path_parts(self.trees, roots, distances(margins)))
 
     def shares(self, number: int, seen: Measures, remaining: int | None) -> FloatArray:  # noqa: ARG002
         """Return what `adds` does, questions that are alike together with the one that stands for them."""
-        out = self.adds(number, seen)
+        out = self.adds(number, seen.margins)
         for place, stands in enumerate(spokesmen(self.questions[number]), start=1):
             if stands + 1 != place:
                 out[:, 1 + stands] += out[:, place]
@@ -187,6 +191,6 @@ class Sum:
         return Sum(self.schemas, base, (0.0,) * len(found), tuple(found))
 
 
-def distances(seen: Measures) -> NDArray[np.float32]:
+def distances(margins: FloatArray) -> NDArray[np.float32]:
     """Return what trees compare, (n, k)."""
-    return np.where(np.isnan(seen.margins), _FAR, seen.margins).astype(np.float32)
+    return np.where(np.isnan(margins), _FAR, margins).astype(np.float32)

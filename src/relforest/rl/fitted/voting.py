@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from relforest.rl.fitted.additive import Explained
 from relforest.rl.fitted.evidence import Evidence
 from relforest.rl.fitted.forest_arrays import (
     LEAST_EXAMPLES,
@@ -21,92 +21,83 @@ from relforest.rl.fitted.forest_arrays import (
     randomised,
     together,
 )
-from relforest.rl.fitted.questions import Measures, measured
 from relforest.rl.fitted.settings import ForestSettings, QSettings
 from relforest.rl.fitted.sum import Sum, distances
-from relforest.scenes.arrays import FloatArray, IntArray
+from relforest.scenes.arrays import FloatArray
 from relforest.support.progress import report
 
 
 def with_trees(
-    total: Sum,
-    targets: FloatArray,
+    explained: Explained,
     evidence: Evidence,
     settings: QSettings,
     rng: np.random.Generator,
     *,
     start: Sum | None = None,
 ) -> Sum:
-    """Return a sum with trees that explain the same as its curves, and with the spread of its questions.
+    """Return the sum with trees that explain the same as its curves, and with the spread of its questions.
 
     Parameters
     ----------
-    total : Sum
-    targets : (n,) float64
-        What each transition turned out to be worth.
+    explained : Explained
     evidence : Evidence
     settings : QSettings
     rng : Generator
     start : Sum or None
         What was known before there was any of this experience. Its trees count like trees that were learned
-        from `CurveSettings.prior` transitions. Its questions come first in `total`.
+        from `CurveSettings.prior` transitions. Its questions are the first of the sum.
 
     References
     ----------
     Geurts, Ernst and Wehenkel, Extremely randomized trees (2006).
     """
     report("trees")
-    seen = [
-        measured(packed, scenes.take(_rows(total, evidence, number)), evidence.n_jobs)
-        for number, (packed, scenes) in enumerate(zip(total.packed, evidence.scenes, strict=True))
+    total, _, targets = explained
+    margins = [
+        own[evidence.examples(number, is_base=number == total.base)[1]]
+        for number, own in enumerate(explained.margins)
     ]
-    forests, before, kept = settings.forests, None if start is None else start.trees, 0
+    forests, before = settings.forests, None if start is None else start.trees
+    kept = 0
     if before is not None:
         kept = round(forests.trees * settings.curves.prior / (settings.curves.prior + len(targets)))
         before = before._replace(roots=before.roots[:, :, :kept])
-    trees = None
     if kept < forests.trees:
-        features, new = [distances(each) for each in seen], replace(forests, trees=forests.trees - kept)
-        trees = _grown(total, targets, evidence, features, new, rng)
-    both = together(before, trees) if before is not None and trees is not None else before or trees
-    return _with_spreads(replace(total, trees=both), seen)
-
-
-def _rows(total: Sum, evidence: Evidence, number: int) -> IntArray:
-    return evidence.examples(number, is_base=number == total.base)[1]
+        trees = _grown(total, targets, evidence, margins, replace(forests, trees=forests.trees - kept), rng)
+        before = trees if before is None else together(before, trees)
+    return _with_spreads(replace(total, trees=before), margins)
 
 
 def _grown(
     total: Sum,
     targets: FloatArray,
     evidence: Evidence,
-    features: list[NDArray[np.float32]],
+    margins: list[FloatArray],
     settings: ForestSettings,
     rng: np.random.Generator,
-) -> ForestArrays | None:
-    """Return trees of the features of each action type's examples; None if the base was hardly tried."""
+) -> ForestArrays:
+    """Return trees of the distances of each action type's examples, none where there is too little."""
     trees: list[list[Any]] = [[] for _ in total.schemas]
     types, of_base = evidence.types[evidence.taken], np.zeros(len(targets))
     for number in sorted(range(len(trees)), key=lambda number: number != total.base):
         is_base, own = number == total.base, np.flatnonzero(types == number)
-        if len(own) > LEAST_EXAMPLES:
+        features = distances(margins[number])
+        if len(own) > LEAST_EXAMPLES and features.shape[1]:
             model = randomised(settings, settings.share, rng, evidence.n_jobs)
-            model.fit(features[number][own] if is_base else features[number], (targets - of_base)[own])
+            model.fit(features[own] if is_base else features, (targets - of_base)[own])
             trees[number] = [tree.tree_ for tree in model.estimators_]
         if is_base:
-            if not trees[number]:
-                return None
             forest = joined([[trees[number]]])
-            of_base = forest_mean(forest, forest.roots[0, 0], features[number])
+            of_trees = forest_mean(forest, forest.roots[0, 0], features)
+            of_base = of_trees if trees[number] else total.valued(number, margins[number])
     return joined([trees])
 
 
-def _with_spreads(total: Sum, seen: list[Measures]) -> Sum:
-    """Return a sum that knows how much each question varies over what was seen of each action type."""
+def _with_spreads(total: Sum, margins: list[FloatArray]) -> Sum:
+    """Return a sum that knows how much each question varies over the examples of its action type."""
     found = []
-    for number, (own, measures) in enumerate(zip(total.questions, seen, strict=True)):
-        adds = total.adds(number, measures)[:, 1:]
-        spreads = adds.std(axis=0) if len(adds) else np.zeros(len(own))
+    for number, (own, seen) in enumerate(zip(total.questions, margins, strict=True)):
+        spreads = total.adds(number, seen)[:, 1:].std(axis=0) if len(seen) else np.zeros(len(own))
         pairs = zip(own, spreads.tolist(), strict=True)
         found.append(tuple(replace(question, spread=spread) for question, spread in pairs))
     return replace(total, questions=tuple(found))
