@@ -54,8 +54,19 @@ def explanation(
 ) -> Explanation | None:
     """Return why an action is worth more than the best other one, or less.
 
-    At most `most` reasons are told for it, and as many against it. If there is no other action, None is
-    returned.
+    Parameters
+    ----------
+    value : Explaining
+    decision : Decision
+    position : int
+        Of the action.
+    most : int
+        Reasons for it, and against it, that are told at most.
+
+    Returns
+    -------
+    Explanation or None
+        None if there is no other action.
 
     Notes
     -----

@@ -57,15 +57,14 @@ def with_trees(
         own[evidence.examples(number, is_base=number == total.base)[1]]
         for number, own in enumerate(explained.margins)
     ]
-    forests, before = settings.forests, None if start is None else start.trees
-    kept = 0
-    if before is not None:
+    forests, trees, kept = settings.forests, None, 0
+    if start is not None and start.trees is not None:
         kept = round(forests.trees * settings.curves.prior / (settings.curves.prior + len(targets)))
-        before = before._replace(roots=before.roots[:, :, :kept])
+        trees = start.trees._replace(roots=start.trees.roots[:, :, :kept])
     if kept < forests.trees:
-        trees = _grown(total, targets, evidence, margins, replace(forests, trees=forests.trees - kept), rng)
-        before = trees if before is None else together(before, trees)
-    return _with_spreads(replace(total, trees=before), margins)
+        grown = _grown(total, targets, evidence, margins, replace(forests, trees=forests.trees - kept), rng)
+        trees = grown if trees is None else together(trees, grown)
+    return _with_spreads(replace(total, trees=trees), margins)
 
 
 def _grown(
