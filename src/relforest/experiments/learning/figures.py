@@ -105,9 +105,9 @@ def _drawn(table: Table, column: str, curves: Iterable[Curve]) -> Figure:
             if condition not in LEARNERS:
                 level = float(measured(table, played, condition, 0).mean())
                 axes.axhline(level, color=GREY, linestyle="--", linewidth=0.9)
-                axes.annotate(
-                    condition, (1.0, level), xycoords=("axes fraction", "data"), va="bottom", ha="right"
-                )
+                # Beside the axes, where no curve runs through it.
+                at = ("axes fraction", "data")
+                axes.annotate(condition, (1.0, level), (4, 0), at, "offset points", va="center")
         axes.set_xlabel("training episodes (band: all runs)")
         axes.set_ylabel(_LABELS[column])
         if is_wide:
