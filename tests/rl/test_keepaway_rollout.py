@@ -76,6 +76,7 @@ def tree_value() -> ValueFunction:
 def test_the_experience_is_the_same(policy: Policy, options: dict[str, Any]) -> None:
     expected = rollout(KeepawayEnv(**options), OneByOne(policy), 6, SEED)
     assert_equal(rollout(KeepawayEnv(**options), policy, 6, SEED), expected)
+    assert_equal(rollout(KeepawayEnv(**options), policy, 6, SEED, n_jobs=2), expected)
     assert expected.truncated.any() == ("max_cycles" in options)
     wrapped = gymnasium.make("relforest/Keepaway-v0", **options)
     assert_equal(rollout(wrapped, policy, 6, SEED), expected)

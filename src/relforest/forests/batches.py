@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -15,8 +16,10 @@ if TYPE_CHECKING:
 _BATCH: Final = 200
 
 
-def in_batches(evaluate: Callable[[int, int, NDArray[np.bool_]], None], n: int, n_jobs: int) -> None:
-    """Call ``evaluate(begin, end, stop)`` for parts of n scenes, in `n_jobs` threads.
+def in_batches(
+    evaluate: Callable[[int, int, NDArray[np.bool_]], None], n: int, n_jobs: int, size: int = _BATCH
+) -> None:
+    """Call ``evaluate(begin, end, stop)`` for parts of n scenes, each of `size`, in `n_jobs` threads.
 
     If the call is interrupted (Ctrl-C), ``stop[0]`` becomes true. Kernels look at it again and again, so that
     they end at once, however large the scenes are.
@@ -26,7 +29,8 @@ def in_batches(evaluate: Callable[[int, int, NDArray[np.bool_]], None], n: int, 
     with ThreadPoolExecutor(n_jobs) as pool:
         try:
             parts = [
-                pool.submit(evaluate, begin, min(begin + _BATCH, n), stop) for begin in range(0, n, _BATCH)
+                pool.submit(copy_context().run, evaluate, begin, min(begin + size, n), stop)
+                for begin in range(0, n, size)
             ]
             for part in parts:
                 part.result()

@@ -113,7 +113,7 @@ class RPILearner:
         """Play test episodes with the policy."""
         seed, size = stream(self.seed, number, _TESTING), (state.value.n_trees, state.value.n_leaves)
         policy = self.practice.tested(self.env, state.value if number else None)
-        return tested(self.env, policy, self.test_episodes, seed, state.batches, size)
+        return tested(self.env, policy, self.test_episodes, seed, state.batches, size, self.n_jobs)
 
     def to_plain(self, state: Knowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its trees and the experience as files."""

@@ -8,7 +8,8 @@ from typing import Any, Final, Protocol, SupportsFloat, final
 
 import numpy as np
 
-from relforest.rl.experience import Experience
+from relforest.forests.batches import in_batches
+from relforest.rl.experience import BoolArray, Experience
 from relforest.rl.policy import LockstepPolicy, Policy
 from relforest.runs.learner import Row
 from relforest.scenes.arrays import FloatArray, IntArray
@@ -58,7 +59,9 @@ def world_of(env: Environment) -> World:
     return world
 
 
-def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.SeedSequence) -> Experience:
+def rollout(
+    env: Environment, policy: Policy, episodes: int, seed: np.random.SeedSequence, n_jobs: int = 1
+) -> Experience:
     """Play episodes and return everything that happened.
 
     Parameters
@@ -71,6 +74,8 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
         How many, at least 1.
     seed : numpy.random.SeedSequence
         Episode ``i`` uses two streams named by ``i``, one for the world and one for the policy.
+    n_jobs : int
+        Threads for episodes that are played together.
 
     Notes
     -----
@@ -87,20 +92,23 @@ def rollout(env: Environment, policy: Policy, episodes: int, seed: np.random.See
     Palmer (2015), section 6.3 (gathering experience).
     """
     world, episodes = world_of(env), at_least("episodes", episodes, 1)
+    report("episodes", 0, episodes)
     log = _Log(type(world).__name__, np.zeros((2, episodes)))
     begin = world.lockstep if isinstance(world, LockstepWorld) and _is_bare(env) else None
     if begin is None or not isinstance(policy, LockstepPolicy):
         for number in range(episodes):
-            report("episodes", number, episodes)
             _, info = env.reset(seed=reset_seed(seed, number))
             log.before[:, number] = [info.get(f"{name}_before", 0.0) for name in ("reward", "duration")]
             _play(env, policy, choices(seed, number), number, log)
-        report("episodes", episodes, episodes)
+            log.add_ended(1)
         return log.experience()
-    for first in range(0, episodes, MOST_TOGETHER):
-        numbers = range(first, min(first + MOST_TOGETHER, episodes))
+
+    def play(first: int, end: int, stop: BoolArray) -> None:
+        numbers = range(first, end)
         games = begin([reset_seed(seed, number) for number in numbers])
-        _play_together(games, policy, [choices(seed, number) for number in numbers], first, log)
+        _play_together(games, policy, [choices(seed, number) for number in numbers], first, log, stop)
+
+    in_batches(play, episodes, n_jobs, min(MOST_TOGETHER, -(-episodes // n_jobs)))
     return log.experience()
 
 
@@ -111,13 +119,14 @@ def tested(
     seed: np.random.SeedSequence,
     batches: Sequence[Experience],
     size: tuple[int, int],
+    n_jobs: int,
 ) -> Row:
     """Play test episodes and return the metrics of an iteration, see `relforest.runs.Learner.evaluate`.
 
     `batches` are the training experience so far, `size` the numbers of trees and leaves of the policy.
     """
     with part("testing"):
-        rewards = rollout(env, policy, episodes, seed).episode_rewards
+        rewards = rollout(env, policy, episodes, seed, n_jobs).episode_rewards
     trained = float(batches[-1].episode_rewards.mean()) if batches else None
     trees, leaves = size
     return {
@@ -160,9 +169,15 @@ class _Log:
     """The numbers of some episodes, and a state of each."""
     steps: list[tuple[IntArray, IntArray, Outcomes]] = field(default_factory=list)
     """Their numbers, the positions of the actions, and what they brought."""
+    ended: list[int] = field(default_factory=list)
+    """Numbers of episodes that ended together."""
 
     def add_states(self, numbers: IntArray, decisions: Decisions) -> None:
         self.states.append((numbers, decisions))
+
+    def add_ended(self, count: int) -> None:
+        self.ended.append(count)
+        report("episodes", sum(self.ended), self.before.shape[1])
 
     def stuck(self) -> InputError:
         return InputError(f"{self.world} offers no action in a state that does not end the episode")
@@ -218,15 +233,19 @@ def _play(env: Environment, policy: Policy, rng: np.random.Generator, number: in
 
 
 def _play_together(
-    games: Lockstep, policy: LockstepPolicy, rngs: Sequence[np.random.Generator], first: int, log: _Log
+    games: Lockstep,
+    policy: LockstepPolicy,
+    rngs: Sequence[np.random.Generator],
+    first: int,
+    log: _Log,
+    stop: BoolArray,
 ) -> None:
-    """Play episodes to their ends; they are numbered from `first`."""
-    report("episodes", first, log.before.shape[1])
+    """Play episodes to their ends, or until ``stop[0]`` becomes true; they are numbered from `first`."""
     running = np.arange(len(rngs))
     log.before[:, first + running] = games.before
     decisions = games.decisions(running)
     log.add_states(first + running, decisions)
-    while len(running):
+    while len(running) and not stop[0]:
         if not decisions.n_actions.all():
             raise log.stuck()
         positions = policy.choose_all(decisions, [rngs[i] for i in running.tolist()])
@@ -237,7 +256,7 @@ def _play_together(
         ended = outcomes.terminal | outcomes.truncated
         if ended.any():
             running, decisions = running[~ended], decisions.take(np.flatnonzero(~ended))
-            report("episodes", first + len(rngs) - len(running), log.before.shape[1])
+            log.add_ended(int(ended.sum()))
 
 
 def experience_of(

@@ -72,7 +72,10 @@ class Outcomes(NamedTuple):
 
 
 class Lockstep(Protocol):
-    """Episodes that are played together; none depends on the others. They are named by their numbers."""
+    """Episodes that are played together; none depends on the others. They are named by their numbers.
+
+    Several of these may be used at a time, each in a thread.
+    """
 
     @property
     def before(self) -> NDArray[np.float64]:

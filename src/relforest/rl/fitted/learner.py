@@ -165,7 +165,7 @@ class QLearner:
             (0, 0) if state.value is None else state.value.learned.size,
         )
         policy = self.practice.tested(self.env, state.value)
-        return tested(self.env, policy, self.test_episodes, seed, state.batches, size)
+        return tested(self.env, policy, self.test_episodes, seed, state.batches, size, self.n_jobs)
 
     def to_plain(self, state: QKnowledge, number: int) -> Snapshot:
         """Return the policy for the checkpoint, its forests and the experience as files."""
