@@ -33,7 +33,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
         If an array contains anything but booleans, integers and floats; `origin` names the file.
     """
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+    with zipfile.ZipFile(buffer, "w") as archive:
         for name, array in arrays.items():
             if not _is_plain(array.dtype):
                 held = "Python objects" if array.dtype.hasobject else f"values of type {array.dtype}"
@@ -41,6 +41,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], origin: str) -> bytes:
                     f"array {name!r} cannot be written to {origin}: it contains {held} instead of numbers"
                 )
             entry = zipfile.ZipInfo(f"{name}.npy", _ZIP_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, array, allow_pickle=False)
     return buffer.getvalue()
