@@ -10,7 +10,10 @@ from cli.command_lines import CommandLine
 from experiments.run_folders import write_run_of_questions, write_run_of_sarsa
 from relforest.cli.play import WORLDS
 from relforest.experiments.keepaway_team import benchmark_team
+from relforest.experiments.learned_policies import learned_policy, trained_run
 from relforest.playing import record_episodes
+from relforest.rl.rollout import rollout
+from relforest.support.rng import seed_sequence
 from relforest.worlds import environment_id
 from relforest.worlds.blocks.env import high_towers_env
 from relforest.worlds.blocks.policies import make_policy
@@ -27,6 +30,26 @@ def test_the_policies_of_the_command_line_are_those_of_the_worlds(name: str) -> 
     env = gymnasium.make(environment_id(name)).unwrapped
     assert isinstance(env, WorldEnv)
     assert WORLDS[name].policies.keys() == env.policies.keys()
+
+
+@pytest.mark.parametrize("name", list(WORLDS))
+def test_a_trained_policy_plays_every_world(name: str, run: CommandLine, tmp_path: Path) -> None:
+    out = tmp_path / "episode.html"
+    outcome = run("play", name, "--policy", "trained", "--explain", "--out", out)
+
+    assert outcome.code == 0
+    assert "episode 1: " in outcome.out
+    assert "more than" in outcome.out  # what spoke for an action
+    assert "trained policy" in out.read_text("utf-8")
+
+
+def test_the_trained_keepers_hold_the_ball_longer_than_the_hand_coded_ones() -> None:
+    trained, hand = (
+        rollout(env, policy, 60, seed_sequence(1)).episode_rewards.mean()
+        for env in [KeepawayEnv()]
+        for policy in (learned_policy(trained_run("keepaway"), env), env.policies["hand"])
+    )
+    assert trained > hand
 
 
 def test_an_episode_is_described(run: CommandLine) -> None:
@@ -104,7 +127,7 @@ def test_pages_are_replaced_only_on_demand(run: CommandLine, tmp_path: Path) -> 
         (("--seed", "-1"), "--seed must be an integer of at least 0, got -1"),
         (
             ("--policy", "careful"),
-            "--policy must be one of 'hand', 'hold', 'random', or a run folder, got 'careful'",
+            "--policy must be one of 'hand', 'hold', 'random', 'trained', or a run folder, got 'careful'",
         ),
         (("--blocks", "4"), "--blocks belongs to high-towers, color-grouping, arch, not to keepaway"),
         (("--distance", "rgb"), "--distance belongs to color-grouping, not to keepaway: omit it"),
@@ -151,7 +174,7 @@ def test_what_cannot_be_explained_is_named(run: CommandLine, tmp_path: Path) -> 
     write_run_of_questions(tmp_path / "q")
     write_run_of_questions(tmp_path / "new", iterations=0)
     for arguments, complaint in (
-        (("keepaway", "--explain"), "--explain is for what was learned: give --policy the folder of a run"),
+        (("keepaway", "--explain"), "--explain is for what was learned: --policy must be 'trained', or"),
         (("keepaway", "--questions", "3"), "--questions is for what was learned"),
         (
             ("keepaway", "--explain", "--policy", tmp_path / "sarsa"),

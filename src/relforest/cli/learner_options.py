@@ -208,7 +208,9 @@ class QOptions:
     q_counts
         Conditions per action type whose objects are counted, where the number of actions is limited.
     q_trees
-        Trees per action type and number of remaining actions there.
+        Trees per action type, there also per number of remaining actions.
+    q_min_leaf
+        Least number of transitions in a leaf of these trees; more make smaller files.
     """
 
     questions_from: Annotated[Path | None, arg(metavar="RUN", help_behavior_hint="")] = None
@@ -219,6 +221,7 @@ class QOptions:
     q_ridge: Annotated[float | None, _default(_Q.curves.ridge)] = None
     q_counts: Annotated[int | None, _default(_Q.forests.counts)] = None
     q_trees: Annotated[int | None, _default(_Q.forests.trees)] = None
+    q_min_leaf: Annotated[int | None, _default(_Q.forests.min_leaf)] = None
 
     def config(self, task: Task) -> dict[str, Any]:  # noqa: ARG002 - of every method
         """Return them as options of `RunConfig`.

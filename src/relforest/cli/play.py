@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from relforest.playing import Recording
 
 _MOST_LINES: Final = 20
+_TRAINED: Final = "trained"
 
 
 @final
@@ -96,8 +97,8 @@ class PlayOptions:
     For example:
       relforest play keepaway --policy hand --keepers 3 --takers 2 --out game.html
       relforest play keepaway --keepers 4 --takers 3 --size 25 --episodes 10
-      relforest play keepaway --policy runs/keepaway --out learned.html
-      relforest play keepaway --policy runs/keepaway --explain
+      relforest play keepaway --policy trained --out learned.html
+      relforest play keepaway --policy trained --explain
       relforest play keepaway --policy runs/keepaway --questions 30 --episodes 100
       relforest play corridor --policy runs/corridor --out corridor.html
       relforest play high-towers --policy large-first --out towers.html
@@ -109,9 +110,10 @@ class PlayOptions:
     world
         What to play: corridor, keepaway, or a task of the blocks world: high-towers, color-grouping or arch.
     policy
-        Policy that decides. Any world: random, or the folder of a run of "relforest learn"; corridor:
-        optimal; keepaway: hand (the benchmark's hand-coded policy) or hold (always hold the ball);
-        high-towers: large-first or small-first; color-grouping: manual; arch: careful or trainer.
+        Policy that decides. Any world: random, trained (learned by smrf-q for you), or the folder of a run of
+        "relforest learn"; corridor: optimal; keepaway: hand (the benchmark's hand-coded policy) or hold
+        (always hold the ball); high-towers: large-first or small-first; color-grouping: manual; arch: careful
+        or trainer.
     keepers
         keepaway: number of players who keep the ball.
     takers
@@ -182,13 +184,15 @@ def play(options: PlayOptions) -> int:
     if options.out is not None and options.out.suffix.lower() not in {".html", ".htm"}:
         raise UsageError(f"--out {options.out} must end in .html: the page is one HTML file")
     name = world.default if options.policy is None else options.policy
-    if name not in world.policies and not Path(name).is_dir():
-        known = ", ".join(map(repr, world.policies))
+    if name not in (*world.policies, _TRAINED) and not Path(name).is_dir():
+        known = ", ".join(map(repr, (*world.policies, _TRAINED)))
         raise UsageError(f"--policy must be one of {known}, or a run folder, got {name!r}")
 
     if name in world.policies and (options.explain or options.questions is not None):
         flag = "--explain" if options.explain else "--questions"
-        raise UsageError(f"{flag} is for what was learned: give --policy the folder of a run")
+        raise UsageError(
+            f"{flag} is for what was learned: --policy must be {_TRAINED!r}, or the folder of a run"
+        )
     recordings = _record(options, chosen, name)
     if options.explain:
         for line in _explained(recordings):
@@ -201,7 +205,7 @@ def play(options: PlayOptions) -> int:
 
         sides = (2 * chosen.get("size", ()))[:2]
         shown = {**chosen, "size": " m by ".join(f"{side:g}" for side in sides)}
-        described = world.policies.get(name, f"learned in {name}")
+        described = {**world.policies, _TRAINED: "trained policy"}.get(name, f"learned in {name}")
         subtitle = f"{described}, {world.subtitle.format(**shown)}, seed {options.seed}"
         write_text(options.out, page(recordings, title=world.title.format(**shown), subtitle=subtitle))
         note(f"wrote {options.out}")
@@ -228,7 +232,7 @@ def _chosen(options: PlayOptions) -> dict[str, Any]:
 def _record(options: PlayOptions, chosen: Mapping[str, Any], policy: str) -> tuple[Recording, ...]:
     import gymnasium
 
-    from relforest.experiments.learned_policies import learned_policy
+    from relforest.experiments.learned_policies import learned_policy, trained_run
     from relforest.playing import record_episodes
     from relforest.worlds import environment_id
     from relforest.worlds.environment import WorldEnv
@@ -246,7 +250,8 @@ def _record(options: PlayOptions, chosen: Mapping[str, Any], policy: str) -> tup
     if policy in world.policies and isinstance(made, WorldEnv):
         decides = made.policies[policy]
     else:
-        decides = _learned(options, learned_policy(Path(policy), env))
+        folder = trained_run(options.world) if policy == _TRAINED else Path(policy)
+        decides = _learned(options, learned_policy(folder, env))
     with working("playing"):
         asks = options.explain or options.out is not None
         return record_episodes(env, decides, options.episodes, options.seed, explain=asks)

@@ -105,6 +105,11 @@ class AgentPolicy:
 LearnedPolicy: TypeAlias = TeamPolicy | AgentPolicy | GreedyPolicy
 
 
+def trained_run(world: str) -> Path:
+    """Return the folder of a run of smrf-q in this world that comes with the library, without experience."""
+    return Path(__file__).with_name("trained") / world
+
+
 def learned_policy(folder: Path, env: gymnasium.Env[Any, Any]) -> LearnedPolicy:
     """Return the policy of a run folder of ``relforest learn``.
 

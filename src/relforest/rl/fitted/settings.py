@@ -96,19 +96,19 @@ class CurveSettings:
 @final
 @dataclass(frozen=True, slots=True)
 class ForestSettings:
-    """How forests are learned, where the number of actions is limited.
+    """How forests are learned.
 
     Parameters
     ----------
     counts : int
-        Conditions of an action type whose objects are counted: half of them those that mattered most before,
-        the others new.
+        Where the number of actions is limited, conditions of an action type whose objects are counted: half
+        of them those that mattered most before, the others new.
     tried : int
         Random conditions among which the new ones are chosen, but no more than there are transitions.
     max_scenes : int
         Scenes on which they are tried.
     trees : int
-        Trees for each action type and each number of remaining actions.
+        Trees for each action type and, where the number of actions is limited, each number that remains.
     min_leaf : int
         Least number of transitions in a leaf.
     share : float
