@@ -59,6 +59,9 @@ def test_a_saved_estimator_predicts_the_same(tmp_path: Path, estimator: Any, y: 
     if found.probability is not None:
         assert np.array_equal(found.probability, estimator.predict_proba(SCENES))
         assert model.classes == tuple(np.unique(y).tolist())
+    assert str(model) == model.text
+    assert repr(model).startswith("Model(")
+    assert len(repr(model)) < 200
     version = json.loads((tmp_path / "a.json").read_text())["version"]
     assert version == (1 if model.classes == ("high", "low") else 2)
 

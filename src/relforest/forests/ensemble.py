@@ -81,6 +81,11 @@ class Ensemble:
         object.__setattr__(self, "packed", pack(self.schema, scene_trees))
         object.__setattr__(self, "conditions", asked)
 
+    def __repr__(self) -> str:
+        """Return counts, attributes and arguments on one line."""
+        leaves = sum(len(tree.values) for tree in self.trees)
+        return f"Ensemble({len(self.trees)} trees, {leaves} leaves; {self.schema.in_words})"
+
     @property
     def is_smrf(self) -> bool:
         """Whether its trees are SMRF trees."""

@@ -99,6 +99,14 @@ class Model:
     points: Mapping[int, QuestionPoints] = field(default_factory=dict)
     threshold: float = 0.5
 
+    def __str__(self) -> str:
+        """Return `text`."""
+        return self.text
+
+    def __repr__(self) -> str:
+        """Return what predicts what on one line."""
+        return f"Model({self.learned!r} for {self.outcome})"
+
     def _repr_html_(self) -> str:
         """Return what was learned as notebooks show it."""
         return drawn(self.learned)

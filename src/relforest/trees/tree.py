@@ -13,7 +13,7 @@ from relforest.support.errors import InputError
 from relforest.support.files import check_document
 from relforest.support.notebook import drawn
 from relforest.trees.node_json import node_from_dict, node_to_dict
-from relforest.trees.nodes import AnyLeaf, ClassLeaf, Instantiation, Leaf, Node, Question, shifted
+from relforest.trees.nodes import AnyLeaf, ClassLeaf, Instantiation, Leaf, Node, Question, counted, shifted
 from relforest.trees.packing import PackedTree, pack
 from relforest.trees.structure import check_counts, check_structure
 from relforest.trees.text import describe
@@ -149,6 +149,11 @@ class Tree:
     def __str__(self) -> str:
         """Return the tree in words."""
         return describe(self.schema, self.nodes)
+
+    def __repr__(self) -> str:
+        """Return counts, attributes and arguments on one line."""
+        questions = counted(sum(isinstance(node, Question) for node in self.nodes), "question")
+        return f"Tree({questions}, {counted(len(self.leaves), 'leaf', 'leaves')}; {self.schema.in_words})"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form, with format name and version."""
