@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final, cast, final
 
 import numpy as np
 
-from relforest.forests.batches import in_batches
 from relforest.forests.evaluation import Facts, condition_holds, leaves
 from relforest.forests.packing import CONDITION, NO, YES, Packed, pack
 from relforest.forests.scene_tree import SceneTree
@@ -18,6 +17,7 @@ from relforest.support.files import check_document
 from relforest.support.notebook import drawn
 from relforest.support.options import between, in_range
 from relforest.support.parallel import checked_jobs
+from relforest.support.threads import in_threads
 from relforest.trees import Tree, query
 from relforest.trees.tree import FORMAT as TREE_FORMAT
 from relforest.trees.tree import VERSION as TREE_VERSION
@@ -126,7 +126,7 @@ class Ensemble:
         def evaluate(begin: int, end: int, stop: NDArray[np.bool_]) -> None:
             leaves(self.packed, facts, columns, begin, end, out, stop)
 
-        in_batches(evaluate, len(scenes), n_jobs)
+        in_threads(evaluate, len(scenes), n_jobs)
         return out
 
     def scores(self, scenes: Scenes, *, n_jobs: int = 1) -> NDArray[np.float64]:

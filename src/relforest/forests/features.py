@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 
-from relforest.forests.batches import in_batches
 from relforest.forests.evaluation import Facts
 from relforest.forests.measures import measures, work_space
 from relforest.forests.question_measures import question_measures
@@ -18,6 +17,7 @@ from relforest.forests.tree_features import tree_features
 from relforest.support.errors import InputError
 from relforest.support.options import one_of
 from relforest.support.parallel import checked_jobs
+from relforest.support.threads import in_threads
 from relforest.trees import Tree, query
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _measures(ensemble: Ensemble, scenes: Scenes, n_jobs: int) -> tuple[FloatArr
         work = work_space(ensemble.packed, scenes.schema.n_parameters, scenes.schema.width)
         measures(ensemble.packed, facts, columns, begin, end, work, out, stop)
 
-    in_batches(evaluate, len(scenes), n_jobs)
+    in_threads(evaluate, len(scenes), n_jobs)
     return out[0], out[1]
 
 

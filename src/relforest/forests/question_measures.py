@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from relforest.forests.batches import in_batches
 from relforest.mappings.kernels import wrap_angle
 from relforest.support.jit import kernel
+from relforest.support.threads import in_threads
 from relforest.trees import Question
 from relforest.trees.kernels import ERROR, YES, ask
 from relforest.trees.nodes import children
@@ -89,7 +89,7 @@ def question_measures(tree: Tree, scenes: Scenes, *, n_jobs: int = 1) -> tuple[F
             found = out[:, begin:end, number]
             _measure(packed, route, scenes.matrix, columns(slice(begin, end)), work, found, stop)
 
-    in_batches(evaluate, len(scenes), n_jobs)
+    in_threads(evaluate, len(scenes), n_jobs)
     return out[0], out[1]
 
 

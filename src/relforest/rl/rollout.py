@@ -8,7 +8,6 @@ from typing import Any, Final, Protocol, SupportsFloat, final
 
 import numpy as np
 
-from relforest.forests.batches import in_batches
 from relforest.rl.experience import BoolArray, Experience
 from relforest.rl.policy import LockstepPolicy, Policy
 from relforest.runs.learner import Row
@@ -18,6 +17,7 @@ from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import part, report
 from relforest.support.rng import generator, stream
+from relforest.support.threads import in_threads
 
 _RESET, _CHOICES = 0, 1
 
@@ -108,7 +108,7 @@ def rollout(
         games = begin([reset_seed(seed, number) for number in numbers])
         _play_together(games, policy, [choices(seed, number) for number in numbers], first, log, stop)
 
-    in_batches(play, episodes, n_jobs, min(MOST_TOGETHER, -(-episodes // n_jobs)))
+    in_threads(play, episodes, n_jobs, size=min(MOST_TOGETHER, -(-episodes // n_jobs)))
     return log.experience()
 
 

@@ -10,7 +10,6 @@ from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 
-from relforest.forests.batches import in_batches
 from relforest.forests.conditions import Condition
 from relforest.forests.evaluation import Facts
 from relforest.forests.measures import measures, work_space
@@ -24,6 +23,7 @@ from relforest.support.documents import LARGEST_NUMBER, well_formed
 from relforest.support.errors import ModelFormatError
 from relforest.support.jit import kernel
 from relforest.support.options import in_range
+from relforest.support.threads import in_threads
 
 N_KNOTS: Final = 5
 _QUANTILES: Final = (0.02, 0.25, 0.5, 0.75, 0.98)
@@ -153,7 +153,7 @@ def measured(packed: Packed, scenes: Scenes, n_jobs: int = 1) -> Measures:
             packed, Facts(scenes.matrix, scenes.pairs, scenes.rows), columns, begin, end, work, out, stop
         )
 
-    in_batches(evaluate, len(scenes), n_jobs)
+    in_threads(evaluate, len(scenes), n_jobs)
     return Measures(out[0], out[1], scenes.counts)
 
 

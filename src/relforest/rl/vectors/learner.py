@@ -119,7 +119,7 @@ class VectorLearner:
         """Play test episodes with the policy."""
         seed = stream(self.seed, number, _TESTING)
         policy = exploring(state.value, 0.0)
-        return tested(self.env, policy, self.test_episodes, seed, state.batches, (0, 0), 1)
+        return tested(self.env, policy, self.test_episodes, seed, state.batches, (0, 0), n_jobs=1)
 
     def to_plain(self, state: VectorKnowledge, number: int) -> Snapshot:
         """Return the name of the model's file for the checkpoint, and the model and experience as files."""

@@ -1,4 +1,4 @@
-"""Work on scenes in threads that can be interrupted."""
+"""Work in threads that can be interrupted."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-_BATCH: Final = 200
+_SIZE: Final = 200
 
 
-def in_batches(
-    evaluate: Callable[[int, int, NDArray[np.bool_]], None], n: int, n_jobs: int, size: int = _BATCH
+def in_threads(
+    work: Callable[[int, int, NDArray[np.bool_]], None], n: int, n_jobs: int, *, size: int = _SIZE
 ) -> None:
-    """Call ``evaluate(begin, end, stop)`` for parts of n scenes, each of `size`, in `n_jobs` threads.
+    """Call ``work(begin, end, stop)`` for parts of n things such as scenes, `size` each, in `n_jobs` threads.
 
-    If the call is interrupted (Ctrl-C), ``stop[0]`` becomes true. Kernels look at it again and again, so that
-    they end at once, however large the scenes are.
+    If the call is interrupted (Ctrl-C) or a part fails, ``stop[0]`` becomes true. Kernels and other long work
+    look at it again and again, so that they end at once.
     """
     stop = np.zeros(1, dtype=np.bool_)
     # Even a single thread is not the calling one: while that runs a kernel, it does not see an interrupt.
     with ThreadPoolExecutor(n_jobs) as pool:
         try:
             parts = [
-                pool.submit(copy_context().run, evaluate, begin, min(begin + size, n), stop)
+                # In the caller's context, to which reports of progress go.
+                pool.submit(copy_context().run, work, begin, min(begin + size, n), stop)
                 for begin in range(0, n, size)
             ]
             for part in parts:
