@@ -47,6 +47,11 @@ class _World:
         """The policy that plays if none is chosen."""
         return next(iter(self.policies))
 
+    @property
+    def choices(self) -> Mapping[str, str]:
+        """Its policies and the one that comes trained, by name, and how pages call them."""
+        return {**self.policies, _TRAINED: "trained policy"}
+
 
 def _blocks(policies: Sequence[str], title: str, subtitle: str = "", **options: object) -> _World:
     return _World(
@@ -184,8 +189,8 @@ def play(options: PlayOptions) -> int:
     if options.out is not None and options.out.suffix.lower() not in {".html", ".htm"}:
         raise UsageError(f"--out {options.out} must end in .html: the page is one HTML file")
     name = world.default if options.policy is None else options.policy
-    if name not in (*world.policies, _TRAINED) and not Path(name).is_dir():
-        known = ", ".join(map(repr, (*world.policies, _TRAINED)))
+    if name not in world.choices and not Path(name).is_dir():
+        known = ", ".join(map(repr, world.choices))
         raise UsageError(f"--policy must be one of {known}, or a run folder, got {name!r}")
 
     if name in world.policies and (options.explain or options.questions is not None):
@@ -205,7 +210,7 @@ def play(options: PlayOptions) -> int:
 
         sides = (2 * chosen.get("size", ()))[:2]
         shown = {**chosen, "size": " m by ".join(f"{side:g}" for side in sides)}
-        described = {**world.policies, _TRAINED: "trained policy"}.get(name, f"learned in {name}")
+        described = world.choices.get(name, f"learned in {name}")
         subtitle = f"{described}, {world.subtitle.format(**shown)}, seed {options.seed}"
         write_text(options.out, page(recordings, title=world.title.format(**shown), subtitle=subtitle))
         note(f"wrote {options.out}")
