@@ -14,6 +14,7 @@ from relforest.experiments.learning.settings import SETTINGS
 from relforest.experiments.report.folders import section_of
 from relforest.experiments.report.page import report_page
 from relforest.experiments.report.section import Picture, Player, Section
+from relforest.experiments.runner import saved_rows
 from relforest.experiments.runs import learn_runs
 from relforest.experiments.sheets import Passage, Sheet
 from relforest.support.errors import InputError, ModelFormatError, RunFolderError
@@ -68,6 +69,34 @@ def test_an_unfinished_study_says_what_it_leaves_out(tmp_path: Path) -> None:
     assert {row[-1] for row in said.rows} == {"not run"}
     assert sheet.rows[0][:4] == ("manual", 0, 3, 1.5)
     assert [claim.verdict for claim in section.claims] == ["not claimed"]
+
+
+def test_the_rows_of_a_study_are_reported_like_its_folder(tmp_path: Path) -> None:
+    write_study(tmp_path, done=3)
+    (tmp_path / "rows.csv").write_text(saved_rows(tmp_path).table.to_csv(), "utf-8")
+    of_folder, of_rows = section_of(tmp_path), section_of(tmp_path / "rows.csv")
+    assert of_rows.lead[1] == "Seed 3, 3 of 3 settings."
+    assert (of_rows.heading, of_rows.claims) == (of_folder.heading, of_folder.claims)
+    sheets, others = (
+        [part for part in section.parts if isinstance(part, Sheet)] for section in (of_folder, of_rows)
+    )
+    assert sheets == others
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "does not hold the rows of a study: not a table"),
+        ("name,reward\na,1\n", "does not hold the rows of a study: .* column 'id'"),
+        ("id,reward\n7,1\n", "does not hold the rows of a study"),
+        ("id,reward\na/0/0,1\nb/0/0,1\n", "does not hold the rows of a study"),
+        ("id,reward\ncolor-learning/0/0,1\n", "damaged"),
+    ],
+)
+def test_other_tables_are_refused(tmp_path: Path, text: str, complaint: str) -> None:
+    (tmp_path / "rows.csv").write_text(text, "utf-8")
+    with pytest.raises((InputError, ModelFormatError), match=complaint):
+        section_of(tmp_path / "rows.csv")
 
 
 def test_runs_are_told_drawn_and_played(tmp_path: Path) -> None:

@@ -194,6 +194,10 @@ def test_a_choice_may_be_widened_later_in_the_same_folder(tmp_path: Path) -> Non
     assert told == ["dice: 3 of 3 done (3 throws)"]
     assert contents(tmp_path / "grown") == contents(tmp_path / "whole")
 
+    run_study(CHOOSY, tmp_path / "grown", only={"parity": ["odd"]})
+    assert (tmp_path / "grown" / "summary.txt").read_text().startswith("3 throws\n")
+    assert contents(tmp_path / "grown")["rows.csv"] == contents(tmp_path / "whole")["rows.csv"]
+
 
 @pytest.mark.parametrize(
     ("only", "complaint"),

@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import csv
-import io
-
 import numpy as np
 import pytest
 
@@ -44,13 +41,13 @@ def test_rows_are_grouped_by_their_values() -> None:
 
 
 def test_csv_is_read_back_exactly() -> None:
-    rows: list[Row] = [{"text": 'says "so",\nthen', "number": 0.1 + 0.2, "count": 3}]
-
-    (read,) = csv.DictReader(io.StringIO(Table.of(rows).to_csv()))
-
-    assert read["text"] == 'says "so",\nthen'
-    assert float(read["number"]) == 0.1 + 0.2
-    assert read["count"] == "3"
+    texts: list[Row] = [{"text": 'says "so",\nthen', "number": 0.1 + 0.2, "count": 3}]
+    for rows in (ROWS, texts):
+        read = Table.from_csv(Table.of(rows).to_csv())
+        assert list(read.rows) == rows
+        assert [list(map(type, row.values())) for row in read.rows] == [
+            list(map(type, row.values())) for row in rows
+        ]
 
 
 @pytest.mark.parametrize(
@@ -61,6 +58,10 @@ def test_csv_is_read_back_exactly() -> None:
         (lambda: Table.of(ROWS).cells("pss"), "not have a column 'pss', only set, pair, score, done"),
         (lambda: Table.of(ROWS).numbers("set"), r"column 'set' contains text \('a'\)"),
         (lambda: Table.of(ROWS).where(set="c", pair=0), "no row has set = 'c', pair = 0"),
+        (lambda: Table.from_csv(""), "not a table with a header"),
+        (lambda: Table.from_csv('a,b\n"1'), "not a table with a header"),
+        (lambda: Table.from_csv("a,b\n"), "at least one row"),
+        (lambda: Table.from_csv("a,b\n1,2\n3\n"), "row 2 has 1 cells, but the header 2"),
     ],
 )
 def test_what_a_table_does_not_have_is_named(action: object, message: str) -> None:

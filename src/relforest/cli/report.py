@@ -20,10 +20,10 @@ from relforest.cli.progress import note, working
 class ReportOptions:
     """Write one page about studies and runs, from what is in their folders.
 
-    Of a study, the page has its claims, figures and tables; of runs, their rewards, and what the first one
-    has learned: in words, drawn over scenes, and as episodes to play, with the reasons for each decision.
-    Nothing is computed again but these episodes. The page is a single HTML file that any browser opens
-    offline.
+    Of a study, for which a copy of its rows.csv is enough, the page has claims, figures and tables; of runs,
+    their rewards, and what the first one has learned: in words, drawn over scenes, and as episodes to play,
+    with the reasons for each decision. Nothing is computed again but these episodes. The page is a single
+    HTML file that any browser opens offline.
 
     For example:
       relforest report runs/corridor --out corridor.html
@@ -32,7 +32,7 @@ class ReportOptions:
     Parameters
     ----------
     folders
-        Folders of relforest experiment and relforest learn, finished or not.
+        Folders of relforest experiment and relforest learn, finished or not, or files rows.csv of studies.
     out
         Page to write.
     title

@@ -2,8 +2,9 @@
 
 Settings are computed by worker processes, here or elsewhere, which return rows; only this process writes. A
 study's folder holds ``study.json`` (what it depends on), ``settings/NNNN.json`` (the rows of each setting),
-and, derived from them, ``rows.csv``, ``summary.txt``, other documents and the figures. It belongs to the
-whole study: settings that are not chosen may be computed later in the same folder.
+and, derived from them, ``rows.csv`` (of all that are saved), ``summary.txt``, other documents and the figures
+(of those that were chosen last). It belongs to the whole study: other settings may be computed later in the
+same folder.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ from relforest.support.progress import part, report
 S = TypeVar("S", bound=Setting)
 
 STUDY: Final = "study.json"
+ROWS: Final = "rows.csv"
 _SETTINGS: Final = "settings"
 # Of the files of a run, these are large, and no policy needs them.
 _EXPERIENCE: Final = "experience"
@@ -111,32 +113,47 @@ def run_study(
     with held(folder, manifest, is_finished=lambda: all(file.exists() for file in files.values())):
         _compute(study, {Context(seed, index, folder): settings[index] for index in files}, n_jobs, announce)
         table = _table_of(study.name, seed, {index: (file, plain[index]) for index, file in files.items()})
+        write_text(folder / ROWS, _rows_in_folder(folder).table.to_csv())
         return _report(study, table, folder, notes)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SavedRows:
-    """What a folder holds of a study so far."""
+    """What is saved of a study so far."""
 
     study: str
     seed: int
-    is_smoke: bool
     table: Table
     n_done: int
-    n_settings: int
+    n_settings: int  # as many as done in a file of rows, which does not say what the whole study was
+    is_smoke: bool = False
 
 
-def saved_rows(folder: Path) -> SavedRows:
-    """Return the rows of all settings that are done, in a folder of `run_study`.
+def saved_rows(path: Path) -> SavedRows:
+    """Return the rows of what is done, in a folder of `run_study`, or a copy of its ``rows.csv``.
 
     Raises
     ------
     InputError
-        If no setting is done yet.
+        If no setting is done yet, or a file is not of rows.
     RunFolderError
-        If a file is missing or damaged.
+        If a file of a folder is missing or damaged.
     """
+    return _rows_in_folder(path) if path.is_dir() else _rows_in_file(path)
+
+
+def _rows_in_file(file: Path) -> SavedRows:
+    try:
+        table = Table.from_csv(read_input(file).decode("utf-8"))
+        settings = [str(cell).split("/") for cell in table.distinct("id")]
+        (name,), (seed, *_) = {study for study, _, _ in settings}, {int(seed) for _, _, seed in settings}
+    except (ValueError, InputError) as error:
+        raise InputError(f"{file} does not hold the rows of a study: {error}") from error
+    return SavedRows(name, seed, table, len(settings), len(settings))
+
+
+def _rows_in_folder(folder: Path) -> SavedRows:
     try:
         document = read_json(folder / STUDY, format=_STUDY_FORMAT, version=VERSION)
         with well_formed(f"{folder / STUDY} is damaged", "restore it, or run the study in another folder"):
@@ -148,7 +165,7 @@ def saved_rows(folder: Path) -> SavedRows:
     done = {index: each for index, each in files.items() if each[0].exists()}
     if not done:
         raise InputError(f"{folder} has no results yet: run 'relforest experiment {name}' to its end")
-    return SavedRows(name, seed, is_smoke, _table_of(name, seed, done), len(done), len(settings))
+    return SavedRows(name, seed, _table_of(name, seed, done), len(done), len(settings), is_smoke)
 
 
 def _compute(
@@ -207,9 +224,8 @@ def _file(context: Context) -> Path:
 
 
 def _report(study: Study[S], table: Table, folder: Path, notes: Sequence[str]) -> Findings:
-    """Write what is derived from the rows."""
+    """Write what is found in some rows."""
     report("summarizing")
-    write_text(folder / "rows.csv", table.to_csv())
     findings = study.summarize(table)
     if notes:
         findings = replace(findings, text="\n".join([*notes, "", findings.text]))

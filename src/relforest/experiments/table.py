@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias, final
 
@@ -125,6 +126,24 @@ class Table:
             grouped.setdefault(tuple(key), []).append(row)
         return {key: Table(tuple(rows)) for key, rows in grouped.items()}
 
+    @classmethod
+    def from_csv(cls, text: str) -> Table:
+        """Read what `to_csv` returned: cells that look like numbers are numbers, empty ones None.
+
+        Raises
+        ------
+        InputError
+            If there is no row, a row has not as many cells as the header, or the text is not CSV.
+        """
+        try:
+            header, *lines = csv.reader(io.StringIO(text, newline=""), strict=True)
+        except (csv.Error, ValueError) as error:
+            raise InputError(f"not a table with a header, as in rows.csv of a study: {error}") from error
+        for number, line in enumerate(lines, 1):
+            if len(line) != len(header):
+                raise InputError(f"row {number} has {len(line)} cells, but the header {len(header)}")
+        return cls.of(dict(zip(header, map(_cell, line), strict=True)) for line in lines)
+
     def to_csv(self) -> str:
         """Return the table as CSV text with a header; floats are written with all their digits."""
         buffer = io.StringIO()
@@ -132,3 +151,12 @@ class Table:
         writer.writerow(self.columns)
         writer.writerows(row.values() for row in self.rows)
         return buffer.getvalue()
+
+
+def _cell(text: str) -> Cell:
+    if text in {"", "True", "False"}:
+        return text == "True" if text else None
+    for number in (int, float):
+        with suppress(ValueError):
+            return number(text)
+    return text

@@ -126,6 +126,8 @@ class Task:
 
 
 _PICTURES: Final = "relforest.experiments"
+# The exhaustive search of the source takes five to nine times as long where there are many objects.
+_SCREENED: Final = RPISettings(tree=TreeSettings(search="screened"))
 
 
 def _policy_map(function: str) -> Picture:
@@ -152,9 +154,7 @@ _KEEPAWAY_PICTURES: Final[Mapping[MethodName, Picture]] = MappingProxyType(
 
 def _keepaway(name: str, keepers: int, takers: int, size: float) -> Task:
     options = {"keepers": keepers, "takers": takers, "size": size}
-    # The exhaustive search of the source takes nine times as long here.
-    settings = RPISettings(tree=TreeSettings(search="screened"))
-    return Task(name, "keepaway", options, settings=settings, pictures=_KEEPAWAY_PICTURES)
+    return Task(name, "keepaway", options, settings=_SCREENED, pictures=_KEEPAWAY_PICTURES)
 
 
 TASKS: Final[Mapping[str, Task]] = MappingProxyType(
@@ -175,13 +175,14 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
             _keepaway("keepaway-4v3", 4, 3, 25.0),
             _keepaway("keepaway-5v4", 5, 4, 30.0),
             _keepaway("keepaway-6v5", 6, 5, 35.0),
-            Task("high-towers", "high-towers", explorers=("random", "random")),
-            Task("color-grouping", "color-grouping", explorers=("random", "random")),
+            Task("high-towers", "high-towers", explorers=("random", "random"), settings=_SCREENED),
+            Task("color-grouping", "color-grouping", explorers=("random", "random"), settings=_SCREENED),
             Task(
                 "color-grouping-rgb",
                 "color-grouping",
                 options={"distance": "rgb"},
                 explorers=("random", "random"),
+                settings=_SCREENED,
             ),
             Task(
                 "arch",
@@ -190,6 +191,7 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                 options={"pays": "end"},
                 training={"pays": "done", "sampler": "training"},
                 explorers=("trainer", "random"),
+                settings=_SCREENED,
             ),
         )
     }

@@ -54,7 +54,7 @@ class LearningSetting:
 
     def longer(self, iterations: int) -> tuple[LearningSetting, ...]:
         """Return the setting with other iterations, unless its meaning depends on them."""
-        is_fixed = not self.episodes or self.condition in FIXED
+        is_fixed = not self.episodes or (self.task, self.condition) in FIXED
         return (self if is_fixed else replace(self, iterations=iterations),)
 
     def larger(self, episodes: int) -> tuple[LearningSetting, ...]:
@@ -120,7 +120,7 @@ a batch; *once* is a single batch, *long* ten; *single* a single round of repres
 for every batch, *single-tree* with a single tree per label.
 """
 
-FIXED: Final = ("smrf-rpi-500", "smrf-rpi-500-once")
+FIXED: Final = ((KEEPAWAY, "smrf-rpi-500"), (KEEPAWAY, "smrf-rpi-500-once"))
 """Conditions that stand for a number of batches, whatever the length of the others."""
 
 OURS: Final = "smrf-q"

@@ -1,4 +1,4 @@
-"""Any folder of results -> a section of a report."""
+"""Any folder of results, or rows of a study -> a section of a report."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from relforest.experiments.report.section import Picture, Section
 from relforest.experiments.run_config import RUN
 from relforest.experiments.runner import STUDY, saved_rows
 from relforest.experiments.sheets import Passage, Sheet
+from relforest.support.documents import well_formed
 from relforest.support.errors import InputError
 
 
 def section_of(folder: Path, *, episodes: int = 2, seed: int = 0) -> Section:
-    """Return what was found in a folder.
+    """Return what was found in a folder of ``relforest experiment``, a copy of its ``rows.csv``, or in a run.
 
-    It is one of ``relforest experiment`` or ``relforest learn``; with a learned policy, some episodes are
-    played.
+    With a policy in a folder of ``relforest learn``, some episodes are played.
 
     Raises
     ------
     InputError
-        If it is no such folder, or holds no results yet.
+        If it is none of these, or holds no results yet.
     RunFolderError, ModelFormatError
         If a file is damaged.
     """
-    if (folder / STUDY).exists():
+    if folder.is_file() or (folder / STUDY).exists():
         return _study_section(folder)
     if (folder / RUN).exists():
         return run_section(folder, episodes=episodes, seed=seed)
@@ -53,7 +53,8 @@ def _study_section(folder: Path) -> Section:
             f"{folder} is of the study {saved.study!r}, which this version of relforest does not have"
         )
     study = STUDIES[saved.study]
-    findings = study.summarize(saved.table)
+    with well_formed(f"the rows in {folder} are damaged", "restore them, or run the study again"):
+        findings, figures = study.summarize(saved.table), study.figures(saved.table)
     lead = [study.question, f"Seed {saved.seed}, {saved.n_done} of {saved.n_settings} settings."]
     if saved.n_done < saved.n_settings:
         lead[-1] += " The others have not been computed: whatever is said here leaves them out."
@@ -62,10 +63,7 @@ def _study_section(folder: Path) -> Section:
             "This is the small version that only shows that the study runs: its numbers mean nothing."
         )
     lead += filter(None, [findings.text])
-    pictures = [
-        Picture(Path(name).stem.replace("-", " "), figure)
-        for name, figure in study.figures(saved.table).items()
-    ]
+    pictures = [Picture(Path(name).stem.replace("-", " "), figure) for name, figure in figures.items()]
     # Numbers first, long texts last.
     sheets = [part for part in findings.parts if isinstance(part, Sheet)]
     texts = [part for part in findings.parts if isinstance(part, Passage)]
