@@ -28,7 +28,7 @@ SETTINGS: dict[MethodName, dict[str, Any]] = {
 
 def config(method: MethodName) -> RunConfig:
     settings = SETTINGS[method]
-    return RunConfig("arch", episodes=4, iterations=2, test_episodes=2, method=method, **settings)
+    return RunConfig("arch-done", episodes=4, iterations=2, test_episodes=2, method=method, **settings)
 
 
 @pytest.mark.parametrize("method", ["smrf-q", "smrf-rpi"])

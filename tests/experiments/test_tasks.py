@@ -56,8 +56,19 @@ def test_blocks_are_explored_as_in_the_source() -> None:
         assert practice.explorer == practice.beginner == RandomPolicy((0.75, 0.25))
 
 
-def test_the_arch_is_practised_with_a_trainer_and_pays_for_an_arch_at_the_end_of_tests() -> None:
+def test_the_arch_is_practised_where_it_is_tested_with_a_trainer() -> None:
     task = task_named("arch")
+    env = task.make()
+    practice, world = task.practice(env), env.unwrapped
+    assert practice.training is None
+    assert isinstance(world, BlocksEnv)
+    assert (world.task.pays, world.task.sampler) == ("end", SAMPLERS["test"])
+    assert isinstance(practice.explorer, TrainerPolicy)
+    assert practice.explorer.world is world
+
+
+def test_the_source_pays_only_for_what_is_claimed_in_training() -> None:
+    task = task_named("arch-done")
     env = task.make(0.5)
     practice = task.practice(env, 0.5)
     tested, training = env.unwrapped, practice.training and practice.training.unwrapped

@@ -96,6 +96,7 @@ class LearnOptions:
                 "color-grouping",
                 "color-grouping-rgb",
                 "arch",
+                "arch-done",
             ]
         ],
         arg(metavar="TASK"),

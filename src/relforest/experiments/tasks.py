@@ -157,6 +157,12 @@ def _keepaway(name: str, keepers: int, takers: int, size: float) -> Task:
     return Task(name, "keepaway", options, settings=_SCREENED, pictures=_KEEPAWAY_PICTURES)
 
 
+def _arch(name: str, training: Mapping[str, Any]) -> Task:
+    # An arch counts when it stands at the end, even if nothing was left to say so.
+    options, explorers = {"pays": "end"}, ("trainer", "random")
+    return Task(name, "arch", options, training, explorers, _SCREENED)
+
+
 TASKS: Final[Mapping[str, Task]] = MappingProxyType(
     {
         task.name: task
@@ -184,15 +190,8 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
                 explorers=("random", "random"),
                 settings=_SCREENED,
             ),
-            Task(
-                "arch",
-                "arch",
-                # An arch counts in tests when it stands at the end, even if nothing was left to say so.
-                options={"pays": "end"},
-                training={"pays": "done", "sampler": "training"},
-                explorers=("trainer", "random"),
-                settings=_SCREENED,
-            ),
+            _arch("arch", {}),
+            _arch("arch-done", {"pays": "done", "sampler": "training"}),
         )
     }
 )
@@ -200,7 +199,8 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
 
 Keepaway on 20 m by 20 m, and 4 against 3 on 25 m by 25 m, are those of the source; 3 against 2 on 25 m by
 25 m is that of Taylor and Stone (2007), "Cross-domain transfer for reinforcement learning". The source has no
-larger teams: they get 5 m more for each further pair.
+larger teams: they get 5 m more for each further pair. The source practises arches as in ``arch-done``: only
+what is claimed to be done pays in training, though tests pay for whatever stands at the end.
 """
 
 

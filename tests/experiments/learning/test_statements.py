@@ -75,7 +75,7 @@ def test_colors_and_arches_are_judged() -> None:
         "7.4.2 RGB: the hand-made policy is above SMRF-RPI": "holds",
         "7.4.2 more leaves with CIEDE2000 than with RGB": "holds",
     }
-    arch = rows("arch", "smrf-rpi-500", {1500: [9.0, 9.5, 9.2], 2000: [12.0, 12.5, 12.2]})
+    arch = rows("arch-done", "smrf-rpi-500", {1500: [9.0, 9.5, 9.2], 2000: [12.0, 12.5, 12.2]})
     assert verdicts("arch", arch) == {
         "7.4.3 SMRF-RPI is better after four batches than after three": "holds",
         # 0, .2 and .4 of the episodes.

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from relforest.experiments.learning.settings import (
     ARCH,
     COLORS,
+    DONE,
     KEEPAWAY,
     LARGER,
     LEARNERS,
@@ -53,7 +54,7 @@ SOURCE: Final[Mapping[str, Mapping[str, tuple[str, tuple[Curve, ...]]]]] = {
         "figure-7.13.png": ("reward", _in(RGB, "smrf-rpi-500-rgb", "manual")),
         "figure-7.14.png": ("leaves", ((COLORS, _RPI), (RGB, "smrf-rpi-500-rgb"))),
     },
-    ARCH: {"figure-7.18.png": ("reward", _in(ARCH, _RPI, "careful", "trainer"))},
+    ARCH: {"figure-7.18.png": ("reward", (*_in(DONE, _RPI), *_in(ARCH, "careful", "trainer")))},
     KEEPAWAY: {
         "figure-7.21.png": ("reward", _in(KEEPAWAY, "smrf-rpi-50", "cmac-sarsa-shared-50")),
         "figure-7.22.png": ("reward", _in(KEEPAWAY, "smrf-rpi-500-long", "cmac-sarsa-shared-500")),

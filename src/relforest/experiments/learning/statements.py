@@ -17,6 +17,7 @@ import numpy as np
 from relforest.experiments.learning.settings import (
     ARCH,
     COLORS,
+    DONE,
     HAND,
     KEEPAWAY,
     LARGER,
@@ -101,7 +102,7 @@ def _of(section: str, *said: tuple[str, str, Judge]) -> tuple[Statement, ...]:
 
 _leaves: Final = partial(_after, column="leaves")
 _small: Final = _after(TOWERS, "small-first")
-_towers, _arch = _after(TOWERS, _RPI), _after(ARCH, _RPI)
+_towers, _arch = _after(TOWERS, _RPI), _after(DONE, _RPI)
 _few, _few_sarsa = (partial(_after, KEEPAWAY, name) for name in ("smrf-rpi-50", "cmac-sarsa-shared-50"))
 _once: Final = _after(KEEPAWAY, "smrf-rpi-500-once", 500)
 _long: Final = _after(KEEPAWAY, "smrf-rpi-500-long")
@@ -146,17 +147,17 @@ STATEMENTS: Final[Mapping[str, tuple[Statement, ...]]] = {
     ),
     ARCH: _of(
         "7.4.3",
-        ("SMRF-RPI improves on random play", "p < 1e-14", _improves(ARCH, _RPI)),
+        ("SMRF-RPI improves on random play", "p < 1e-14", _improves(DONE, _RPI)),
         ("the trainer is above SMRF-RPI in the end", "p < .05", above(_after(ARCH, HAND[ARCH]), _arch)),
         (
             "SMRF-RPI is better after four batches than after three",
             "p < .01",
-            above(_after(ARCH, _RPI, 2000), _after(ARCH, _RPI, 1500)),
+            above(_after(DONE, _RPI, 2000), _after(DONE, _RPI, 1500)),
         ),
         (
             "share of test episodes that end with an arch, best run in the end",
             "53 %",
-            reached(_after(ARCH, _RPI, column="paid"), _standing, np.max),
+            reached(_after(DONE, _RPI, column="paid"), _standing, np.max),
         ),
     ),
     KEEPAWAY: _of(
