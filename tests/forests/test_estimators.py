@@ -23,7 +23,7 @@ from relforest import (
     SMRFForestRegressor,
     SMRFRuleSetClassifier,
 )
-from relforest.forests import Ensemble, GrowthSettings
+from relforest.forests import Ensemble, GrowthSettings, rule_set_estimator
 from relforest.forests.base import SceneEstimator
 from relforest.forests.losses import Logistic, Loss, Softmax, SquaredError
 from relforest.forests.rule_sets import Pool, RuleSetSettings, choose_rule_sets
@@ -80,6 +80,29 @@ def test_a_rule_set_is_read_as_the_concept() -> None:
     reasons = model.explain(scenes.take(np.flatnonzero(guest_on_the_left(scenes))[:1]))[0].reasons
     assert reasons[0].holds
     assert scenes.matrix[np.array(reasons[0].witnesses["C"], dtype=int), 2] == 1
+
+
+@compiled_only
+def test_the_rules_that_are_told_are_the_most_typical_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(3)
+    scenes, others = scenes_of(rng, 60), scenes_of(rng, 500)
+    monkeypatch.setattr(rule_set_estimator, "mixed", lambda *_arguments: others)
+    labels = guest_on_the_left(scenes) ^ (rng.random(60) < 0.2)
+    chosen: dict[str, Any] = {"n_trees": 20, "rules": RuleSetSettings(n_steps=5000), "random_state": 0}
+    model, single = (SMRFRuleSetClassifier(averaged=averaged, **chosen) for averaged in (True, False))
+    model.fit(scenes, labels)
+    single.fit(scenes, labels)
+
+    sets = model.ensemble_.trees[:-20]
+    leaves, predicted = model.ensemble_.leaves(others), model.predict(others)
+    agreement = [
+        ((tree.values[leaf, 0] > 0.0) == predicted).mean()
+        for tree, leaf in zip(sets, leaves.T[: len(sets)], strict=True)
+    ]
+    assert len(sets) > 2
+    assert agreement == sorted(agreement, reverse=True)
+    assert [tree.nodes for tree in single.ensemble_.trees] == [sets[0].nodes]
+    assert single.describe().splitlines()[1:] == model.describe().splitlines()[1:]
 
 
 @compiled_only

@@ -77,7 +77,7 @@ def strongest_questions(ensemble: Ensemble) -> list[Strong]:
 
 
 def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS) -> str:
-    """Return the best rule set, the first tree: a line for each rule, and one for all other scenes.
+    """Return the most typical rule set, the first tree: a line for each rule, and one for all other scenes.
 
     Leaves contain log-odds; `of` is what the probabilities are of, and `most` the number of rules.
     """
@@ -88,7 +88,11 @@ def rule_set_in_words(ensemble: Ensemble, of: str, *, most: int = MOST_QUESTIONS
         for split, leaf in zip(best.splits[:most], held, strict=False)
     ]
     title = f"Probability of {of}, by the first rule that holds"
-    told = " (the best rule set; others and boosted trees predict with it)" if len(ensemble.trees) > 1 else ""
+    told = (
+        " (the most typical rules; others and boosted trees predict with them)"
+        if len(ensemble.trees) > 1
+        else ""
+    )
     return "\n".join([title + told, *lines, f"    {_outcome(other)}  otherwise"])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
@@ -18,6 +18,7 @@ from relforest.forests.losses import Logistic
 from relforest.forests.rule_sets import Pool, RuleSet, RuleSetSettings, choose_rule_sets, rule_pool
 from relforest.forests.scene_tree import Node, SceneTree, Split, Value
 from relforest.forests.settings import GrowthSettings
+from relforest.scenes.mixing import mixed
 from relforest.support.errors import InputError
 from relforest.support.options import at_least
 from relforest.support.progress import part
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from relforest.scenes import Scenes
 
 _LEARNING_RATE: Final = 0.05
+_N_MIXED: Final = 2000
 # Rules for several causes are found below a first question; rules that differ are worth more than the best.
 RULE_GROWTH: Final = GrowthSettings(max_leaves=4, share=0.2)
 
@@ -41,16 +43,17 @@ class SMRFRuleSetClassifier(SceneClassifier):
 
     The rules are conditions from the trees of a boosted model. Of all sets of a few of them, for either
     class, those that describe the labels in the fewest bits are sampled by simulated annealing. The mean of
-    their log-odds, weighted by description length, and those of the boosted model predict with equal shares;
-    the best set is the description in words. Of all models of this package it is the most readable, and the
-    most accurate on a few dozen scenes.
+    their log-odds, weighted by description length, and those of the boosted model predict with equal shares.
+    The description in words is the most typical set: the one that most often agrees with this mean, on scenes
+    in which objects of the given ones are exchanged. Of all models of this package it is the most readable,
+    and the most accurate on a few dozen scenes.
 
     Parameters
     ----------
     rules : RuleSetSettings, optional
         How many rules a set may have, and what they cost: a higher cost gives shorter rules.
     averaged : bool, default True
-        Whether all sampled sets and the boosted model predict; False for the best set alone.
+        Whether all sampled sets and the boosted model predict; False for the most typical set alone.
     n_trees : int, default 200
         Trees of the boosted model that proposes the rules.
     growth : GrowthSettings, optional
@@ -68,8 +71,8 @@ class SMRFRuleSetClassifier(SceneClassifier):
     Attributes
     ----------
     ensemble_ : Ensemble
-        Log-odds. One tree per rule set, which asks the rules one after the other, the best set first; then
-        the trees of the boosted model.
+        Log-odds. One tree per rule set, which asks the rules one after the other, the most typical set
+        first; then the trees of the boosted model.
     classes_ : (2,) array
         The labels in sorted order.
     n_sampled_ : int
@@ -99,12 +102,15 @@ class SMRFRuleSetClassifier(SceneClassifier):
         with part("choosing rules"):
             sets = choose_rule_sets(pool, positive, targets.weights, chosen, rng)
         self.classes_: NDArray[Any] = targets.classes
-        kept = sets if self.averaged else sets[:1]
-        chains = tuple(_chain(each, rules, pool, positive, targets.weights) for each in kept)
-        weights = np.array([each.weight for each in kept])
-        self.ensemble_ = Ensemble(scenes.schema, np.zeros(1), chains, weights / weights.sum())
+        chains = tuple(_chain(each, rules, pool, positive, targets.weights) for each in sets)
+        found = Ensemble(scenes.schema, np.zeros(1), chains, np.array([each.weight for each in sets]))
+        with part("comparing rules"):
+            averaged = _with_boosted(found, boosted, how.learning_rate)
+            found = _by_agreement(found, averaged, mixed(scenes, _N_MIXED, rng))
         if self.averaged:
-            self.ensemble_ = _with_boosted(self.ensemble_, boosted, how.learning_rate)
+            self.ensemble_ = _with_boosted(found, boosted, how.learning_rate)
+        else:
+            self.ensemble_ = replace(found, trees=found.trees[:1], weights=np.ones(1))
 
     def describe(self, *, most: int = MOST_QUESTIONS) -> str:
         """Return the best rule set in words; `most` bounds the rules that are listed."""
@@ -115,6 +121,15 @@ class SMRFRuleSetClassifier(SceneClassifier):
         how = BoostingSettings(self.n_trees, _LEARNING_RATE)
         growth = settings_or("growth", self.growth, RULE_GROWTH)
         return how, growth, settings_or("rules", self.rules, RuleSetSettings())
+
+
+def _by_agreement(sets: Ensemble, averaged: Ensemble, scenes: Scenes) -> Ensemble:
+    """Return rule sets in the order in which they agree with the mean of all, the most typical one first."""
+    leaves = sets.leaves(scenes).T
+    each = np.array([tree.values[leaf, 0] > 0.0 for tree, leaf in zip(sets.trees, leaves, strict=True)])
+    agreement = (each == (averaged.scores(scenes)[:, 0] > 0.0)).mean(axis=1)
+    order = np.argsort(-agreement, kind="stable")
+    return replace(sets, trees=tuple(sets.trees[place] for place in order), weights=sets.weights[order])
 
 
 def _with_boosted(sets: Ensemble, boosted: Boosted, learning_rate: float) -> Ensemble:
