@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 from browser import told_by
 from experiments.run_folders import SMALL, TWO_RUNS
@@ -150,6 +151,14 @@ def test_everything_on_the_page_is_text_whatever_it_contains() -> None:
     # What plays episodes is a page of its own.
     assert ("srcdoc", f'<p title="{evil}">') in page.attributes
     assert re.findall(r'<td class="(met|missed|not)">', text)[:3] == ["missed", "met", "not"]
+
+
+def test_pictures_stand_beside_each_other() -> None:
+    picture, passage = Picture("one", Figure()), Passage("text", "")
+    text = report_page([Section("a", (), (), (picture, picture, passage, picture))], title="Three")
+    rows = re.findall(r'<div class="pictures">(.*?)</figure></div>', text, re.DOTALL)
+    assert [row.count("<figcaption>") for row in rows] == [2, 1]
+    Elements(text)
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,17 @@ def test_the_sources_figures_show_its_conditions_alone() -> None:
     }
 
 
+def test_batches_of_different_sizes_are_compared_by_their_number() -> None:
+    few = rows("keepaway", "smrf-rpi-50", {0: [50.0], 50: [60.0], 100: [70.0]})
+    many = rows("keepaway", "smrf-rpi-500-single", {0: [50.0], 500: [80.0]})
+    found = figures("keepaway", Table.of([*few, *many]))
+    (by_batch,), (by_episode,) = (found[name].axes for name in ("figure-7.25.png", "figure-7.21.png"))
+    numbers = [np.asarray(line.get_xdata()).tolist() for line in by_batch.lines]
+    assert numbers == [[0, 1], [0, 1, 2]]
+    assert by_batch.get_xlabel().startswith("batches of training episodes")
+    np.testing.assert_array_equal(by_episode.lines[0].get_xdata(), [0, 50, 100])
+
+
 def test_policies_without_learners_are_no_figure() -> None:
     assert figures("high-towers", Table.of(rows("high-towers", "large-first", {0: [8.0]}))) == {}
 

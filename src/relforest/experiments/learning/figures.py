@@ -68,6 +68,8 @@ SOURCE: Final[Mapping[str, Mapping[str, tuple[str, tuple[Curve, ...]]]]] = {
     },
 }
 """Task -> file name -> what is drawn, and the curves."""
+_BY_BATCH: Final = frozenset({"figure-7.25.png", "figure-7.26.png"})
+"""Those that compare batches of different sizes."""
 
 
 def figures(task: str, table: Table) -> Mapping[str, Figure]:
@@ -87,21 +89,21 @@ def figures(task: str, table: Table) -> Mapping[str, Figure]:
         for name, (column, curves) in wanted.items()
     }
     return {
-        name: _drawn(table, column, curves)
+        name: _drawn(table, column, curves, by_batch=name in _BY_BATCH)
         for name, (column, curves) in there.items()
         if any(condition in LEARNERS for _, condition in curves)
     }
 
 
-def _drawn(table: Table, column: str, curves: Iterable[Curve]) -> Figure:
-    """Draw learners by their training episodes, and hand-made policies as lines."""
+def _drawn(table: Table, column: str, curves: Iterable[Curve], *, by_batch: bool) -> Figure:
+    """Draw learners by their training episodes or batches of them, and hand-made policies as lines."""
     learners = [curve for curve in curves if curve[1] in LEARNERS]
     is_wide = len(learners) > _FEW
     with styled():
         figure = Figure(figsize=(7.6 if is_wide else 5.6, 3.6), layout="constrained")
         axes = figure.add_subplot()
         for place, curve in enumerate(learners):
-            _draw_learner(axes, place, curve[1], tuple(_points(table, column, curve)))
+            _draw_learner(axes, place, curve[1], tuple(_points(table, column, curve, by_batch=by_batch)))
         for played, condition in curves:
             if condition not in LEARNERS:
                 level = float(measured(table, played, condition, 0).mean())
@@ -109,7 +111,7 @@ def _drawn(table: Table, column: str, curves: Iterable[Curve]) -> Figure:
                 # Beside the axes, where no curve runs through it.
                 at = ("axes fraction", "data")
                 axes.annotate(condition, (1.0, level), (4, 0), at, "offset points", va="center")
-        axes.set_xlabel("training episodes (band: all runs)")
+        axes.set_xlabel(f"{'batches of ' if by_batch else ''}training episodes (band: all runs)")
         axes.set_ylabel(_LABELS[column])
         if is_wide:
             figure.legend(loc="outside right upper")
@@ -118,13 +120,20 @@ def _drawn(table: Table, column: str, curves: Iterable[Curve]) -> Figure:
     return figure
 
 
-def _points(table: Table, column: str, curve: Curve) -> Iterator[tuple[int, float, float, float]]:
-    """Give training episodes, mean, least and most of all runs; runs without such a number have no point."""
+def _points(
+    table: Table, column: str, curve: Curve, *, by_batch: bool
+) -> Iterator[tuple[int, float, float, float]]:
+    """Give training episodes or batches, mean, least and most of all runs that have such a number."""
     own = [row for row in table.rows if (row["played"], row["condition"]) == curve]
-    for episodes in sorted({int(row["episodes"] or 0) for row in own}):
+    for batch, episodes in enumerate(sorted({int(row["episodes"] or 0) for row in own})):
         values = measured(table, *curve, episodes, column)
         if len(values):
-            yield episodes, float(values.mean()), float(values.min()), float(values.max())
+            yield (
+                batch if by_batch else episodes,
+                float(values.mean()),
+                float(values.min()),
+                float(values.max()),
+            )
 
 
 def _draw_learner(

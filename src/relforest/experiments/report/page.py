@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import Final
 
 from relforest.experiments.claims import Claim
@@ -38,9 +39,16 @@ def report_page(sections: Sequence[Section], *, title: str) -> str:
 
 def _section(number: int, section: Section) -> str:
     lead = "".join(f"<p>{html.escape(line)}</p>" for line in section.lead)
-    body = "\n".join([_claims(section.claims), *map(_part, section.parts)])
+    body = "\n".join([_claims(section.claims), *_parts(section.parts)])
     heading = html.escape(section.heading)
     return f'<section id="section-{number}"><h2>{heading}</h2>\n{lead}\n{body}</section>'
+
+
+def _parts(parts: Sequence[Part]) -> Iterator[str]:
+    """Yield the parts one after the other, but pictures beside each other where there is room."""
+    for are_pictures, group in groupby(parts, key=lambda part: isinstance(part, Picture)):
+        body = "\n".join(map(_part, group))
+        yield f'<div class="pictures">{body}</div>' if are_pictures else body
 
 
 def _claims(claims: Sequence[Claim]) -> str:
